@@ -1,0 +1,1 @@
+"""Numbers in, numbers out: plane geometry on numpy arrays; knows no layer, part or file."""

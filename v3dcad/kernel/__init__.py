@@ -1,0 +1,1 @@
+"""The only folder that imports OCP: reading, sectioning and writing B-rep."""

@@ -1,0 +1,240 @@
+"""The value types that flow from part to printer: frozen, read-only, in mm, mm², mm³, mm/s.
+
+`Part` → `Section` → `Layer` (section, `SiteState`, `Diagram`) → `Toolpath`. Types are compared
+by identity; their arrays cannot be written to. `docs` of each field give shape and unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bytes = NDArray[np.int8]
+
+OUTSIDE = -1
+"""The "site" on the far side of an edge that lies on the section's boundary."""
+
+TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
+"""Kinds of a toolpath's points: what the printer does on the way to the point."""
+
+
+def _freeze(value: object) -> None:
+    """Make every array field of a value read-only, and so that of its tuples of arrays."""
+    for field in fields(value):  # type: ignore[arg-type]
+        content = getattr(value, field.name)
+        for array in content if isinstance(content, tuple) else (content,):
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False
+
+
+class Value:
+    """Base of the value types: what a frozen dataclass does not freeze by itself."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        _freeze(self)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Mesh(Value):
+    """Triangles with shared vertices, outward normals by the right-hand rule."""
+
+    vertices: Floats
+    """(v, 3) mm"""
+    triangles: Ints
+    """(t, 3) vertex ids"""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Placement(Value):
+    """The rigid motion from a source's own coordinates to the bed: p ↦ rotation · p + translation."""
+
+    rotation: Floats
+    """(3, 3)"""
+    translation: Floats
+    """(3,) mm"""
+
+    def to_bed(self, points: Floats) -> Floats:
+        """The points (n, 3), given where the source lies, in bed coordinates."""
+        turned: Floats = points if self._is_shift() else points @ self.rotation.T
+        return turned + self.translation
+
+    def to_source(self, points: Floats) -> Floats:
+        """The points (n, 3), given in bed coordinates, where the source lies."""
+        moved: Floats = points - self.translation
+        return moved if self._is_shift() else moved @ self.rotation
+
+    def _is_shift(self) -> bool:
+        return bool(np.array_equal(self.rotation, np.eye(3)))
+
+
+class Run(NamedTuple):
+    """A stretch of a ring that lies on one face: points start … stop of ring `ring`.
+
+    `curve` is "line", "circle", "ellipse" or "points"; `parameters` describe the exact curve
+    (circle: centre x, y, radius; ellipse: centre x, y, major axis vector x, y, minor/major
+    ratio), and are empty otherwise. `stop` may be the ring's length, which means its first point.
+    """
+
+    ring: int
+    start: int
+    stop: int
+    curve: str
+    face: int
+    parameters: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Section(Value):
+    """A horizontal plane ∩ the part: rings, outer counter-clockwise, holes clockwise, open."""
+
+    z: float
+    """mm above the bed"""
+    rings: tuple[Floats, ...]
+    """each (k, 2) mm; the material lies on the left of every ring"""
+    runs: tuple[Run, ...] = ()
+    """which stretch of a ring is which exact curve; empty for triangles"""
+
+
+class Part(Protocol):
+    """A solid that can be sectioned: what the kernel makes of a file or shape."""
+
+    @property
+    def name(self) -> str:
+        """A short name, such as the file's stem."""
+
+    @property
+    def bounds(self) -> Floats:
+        """(2, 3) least and greatest coordinates, mm."""
+
+    def placed(self, placement: Placement) -> Part:
+        """The same part, moved."""
+
+    def sections(self, heights: Floats) -> Iterator[Section]:
+        """Its sections at ascending heights (mm), the first the limit from above,
+        all others the limit from below."""
+
+    def mesh(self) -> Mesh:
+        """Its surface as triangles."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SiteState(Value):
+    """The sites of one layer and what they weigh there."""
+
+    sites: Floats
+    """(n, 2) mm"""
+    weights: Floats
+    """(n,) mm²"""
+    growth: Floats
+    """(n,) mm² per mm of height"""
+    born_at: Floats
+    """(n,) mm; 0 for those that were there from the start"""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Diagram(Value):
+    """A power diagram cut by a section, as a planar graph; each edge is held once.
+
+    The second site of an edge lies on its left, the first on its right. On the section's
+    boundary the first is `OUTSIDE` (−1), so i < j holds for every row of `edge_sites`.
+    """
+
+    vertices: Floats
+    """(v, 2) mm"""
+    edges: Ints
+    """(e, 2) vertex ids"""
+    edge_sites: Ints
+    """(e, 2) site ids, i < j"""
+    neighbours: Ints
+    """(m, 2) site ids, i < j: pairs that share an edge inside the section"""
+
+    def inner(self) -> NDArray[np.bool_]:
+        """(e,) which edges separate two cells (the others lie on the section's boundary)."""
+        return np.asarray(self.edge_sites[:, 0] != OUTSIDE)
+
+    def lengths(self) -> Floats:
+        """(e,) edge lengths, mm."""
+        ends = self.vertices[self.edges]
+        return np.asarray(np.hypot(*(ends[:, 1] - ends[:, 0]).T))
+
+    def areas(self, count: int) -> Floats:
+        """(count,) area of each site's cell inside the section, mm²; 0 where it has none.
+
+        Green's theorem over the edges: each adds to the cell on its left and takes from the
+        one on its right.
+        """
+        if not len(self.edges):
+            return np.zeros(count)
+        origin = self.vertices.mean(axis=0)
+        start, stop = np.moveaxis(self.vertices[self.edges] - origin, 1, 0)
+        swept = (start[:, 0] * stop[:, 1] - start[:, 1] * stop[:, 0]) / 2
+        left, right = self.edge_sites[:, 1], self.edge_sites[:, 0]
+        inner = self.inner()
+        area = np.bincount(left, swept, count)
+        return area - np.bincount(right[inner], swept[inner], count)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Layer(Value):
+    """One layer of a structure: a section and the diagram that fills it."""
+
+    index: int
+    section: Section
+    state: SiteState
+    diagram: Diagram
+    tree: Ints
+    """(m, 2) site ids, i < j: a minimum spanning tree of the neighbours by length"""
+    area_per_cell: float
+    """section area ÷ number of cells, mm²"""
+
+    @property
+    def z(self) -> float:
+        """Height of the layer's section above the bed, mm."""
+        return self.section.z
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Toolpath(Value):
+    """What the nozzle does, point by point, in bed coordinates."""
+
+    points: Floats
+    """(p, 3) mm, where each step ends"""
+    kind: Bytes
+    """(p,) TRAVEL, EXTRUDE, RETRACT or UNRETRACT"""
+    volume: Floats
+    """(p,) mm³ of material laid on the way to the point"""
+    speed: Floats
+    """(p,) mm/s"""
+    layer: Ints
+    """(p,) index of the layer that the step belongs to"""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Recipe(Value):
+    """What an `.ont` file holds: all that is needed to make a structure again."""
+
+    offset: float
+    """mm² per layer"""
+    layer_height: float
+    """mm"""
+    sites: Floats
+    """(n, 3) mm"""
+    boundary: Mesh
+    name: str
+
+
+def concatenated(toolpaths: Sequence[Toolpath]) -> Toolpath:
+    """One toolpath after the other, as one."""
+    parts: Any = [
+        np.concatenate([getattr(path, field.name) for path in toolpaths])
+        for field in fields(Toolpath)
+    ]
+    return Toolpath(*parts)

@@ -1,0 +1,1 @@
+"""From a layer's diagram to the nozzle's way: graph, route, beads."""
