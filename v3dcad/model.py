@@ -24,22 +24,24 @@ TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
 
-def _freeze(value: object) -> None:
-    """Make every array field of a value read-only, and so that of its tuples of arrays."""
-    for field in fields(value):  # type: ignore[arg-type]
-        content = getattr(value, field.name)
-        for array in content if isinstance(content, tuple) else (content,):
-            if isinstance(array, np.ndarray):
-                array.flags.writeable = False
-
-
 class Value:
-    """Base of the value types: what a frozen dataclass does not freeze by itself."""
+    """Base of the value types: their arrays are seen through read-only views."""
 
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        _freeze(self)
+        for field in fields(self):  # type: ignore[arg-type]
+            content = getattr(self, field.name)
+            if isinstance(content, np.ndarray):
+                object.__setattr__(self, field.name, _read_only(content))
+            elif isinstance(content, tuple) and content and isinstance(content[0], np.ndarray):
+                object.__setattr__(self, field.name, tuple(map(_read_only, content)))
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,7 +56,7 @@ class Mesh(Value):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Placement(Value):
-    """The rigid motion from a source's own coordinates to the bed: p ↦ rotation · p + translation."""
+    """The rigid motion from a source to the bed: p ↦ rotation · p + translation."""
 
     rotation: Floats
     """(3, 3)"""
@@ -118,8 +120,11 @@ class Part(Protocol):
         """The same part, moved."""
 
     def sections(self, heights: Floats) -> Iterator[Section]:
-        """Its sections at ascending heights (mm), the first the limit from above,
-        all others the limit from below."""
+        """Its sections at ascending heights (mm).
+
+        Each is the limit from below, but for the section at the part's base (z = 0), which is
+        the limit from above.
+        """
 
     def mesh(self) -> Mesh:
         """Its surface as triangles."""
@@ -178,8 +183,9 @@ class Diagram(Value):
         swept = (start[:, 0] * stop[:, 1] - start[:, 1] * stop[:, 0]) / 2
         left, right = self.edge_sites[:, 1], self.edge_sites[:, 0]
         inner = self.inner()
-        area = np.bincount(left, swept, count)
-        return area - np.bincount(right[inner], swept[inner], count)
+        area: Floats = np.bincount(left, swept, count)
+        area -= np.bincount(right[inner], swept[inner], count)
+        return area
 
 
 @dataclass(frozen=True, eq=False, slots=True)
