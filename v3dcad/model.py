@@ -183,9 +183,8 @@ class Diagram(Value):
         swept = (start[:, 0] * stop[:, 1] - start[:, 1] * stop[:, 0]) / 2
         left, right = self.edge_sites[:, 1], self.edge_sites[:, 0]
         inner = self.inner()
-        area: Floats = np.bincount(left, swept, count)
-        area -= np.bincount(right[inner], swept[inner], count)
-        return area
+        gained = np.bincount(left, swept, count)
+        return np.asarray(gained - np.bincount(right[inner], swept[inner], count), np.float64)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
