@@ -73,7 +73,7 @@ def write_gcode(stream: TextIO, toolpaths: Iterable[Toolpath], settings: PrintSe
         laid += float(path.volume.sum())
         rows = zip(
             path.kind.tolist(),
-            (path.points + (width / 2, depth / 2, 0)).tolist(),
+            (path.points + np.array([width / 2, depth / 2, 0])).tolist(),
             extruded.tolist(),
             (path.speed * 60).tolist(),
             strict=True,
