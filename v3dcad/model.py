@@ -172,6 +172,11 @@ class Diagram(Value):
         """(e,) which edges separate two cells (the others lie on the section's boundary)."""
         return np.asarray(self.edge_sites[:, 0] != OUTSIDE)
 
+    def sites(self) -> Ints:
+        """(c,) ids of the sites that have a cell, ascending."""
+        found: Ints = np.unique(self.edge_sites)
+        return np.asarray(found[found != OUTSIDE])
+
     def lengths(self) -> Floats:
         """(e,) edge lengths, mm."""
         ends = self.vertices[self.edges]

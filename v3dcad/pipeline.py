@@ -127,7 +127,7 @@ def _layer_report(layer: Layer) -> dict[str, Any]:
     return {
         "layer": layer.index,
         "z_mm": layer.z,
-        "cells": len(np.unique(diagram.edge_sites[:, 1])) if len(diagram.edges) else 0,
+        "cells": len(diagram.sites()),
         "walls": len(diagram.neighbours),
         "wall_length_mm": float(lengths[inner].sum()),
         "contour_length_mm": float(lengths[~inner].sum()),
