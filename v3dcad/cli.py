@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -33,15 +33,12 @@ OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write jus
 
 
 def main() -> None:
-    """Run the command line; errors become one line on stderr and exit code 2."""
+    """Run the command line; errors become one line on stderr and exit code 2, Ctrl-C code 130."""
     try:
         app()
     except V3dcadError as error:
         print(f"v3dcad: {error}", file=sys.stderr)
         sys.exit(2)
-    except KeyboardInterrupt:
-        print("v3dcad: stopped", file=sys.stderr)
-        sys.exit(130)
 
 
 @app.callback()
@@ -114,30 +111,28 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
         raise SettingError("out", "nothing to write: give --out DIR, or a file such as --gcode F")
     for kind, file in files.items():
         if file.resolve() == part.resolve():
-            raise SettingError(kind, f"{file}: would overwrite the part itself; name another file")
+            raise SettingError(kind, f"{file}: would overwrite the part itself; name another place")
     return files
 
 
 def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[str, Path]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(show_header=False, box=None, pad_edge=False)
     width, depth, height = summary["size_mm"]
-    rows = {
-        "part": f"{summary['part']}, {width:.6g} × {depth:.6g} × {height:.6g} mm",
-        "layers": f"{summary['layers']}",
-        "cells": f"{summary['cells']}",
-        "walls": f"{summary['walls']}",
-        "wall length": f"{summary['wall_length_mm'] / 1000:.3f} m",
-    }
-    for name, value in rows.items():
-        table.add_row(name, value)
-    for file in files.values():
-        table.add_row("written", f"{file} ({file.stat().st_size:,} bytes)")
-    for finding in structure.findings(files):
-        table.add_row("note", finding)
-    Console(soft_wrap=True, highlight=False).print(table)
+    _print_rows(
+        [
+            ("part", f"{summary['part']}, {width:.6g} × {depth:.6g} × {height:.6g} mm"),
+            ("layers", f"{summary['layers']}"),
+            ("cells", f"{summary['cells']}"),
+            ("walls", f"{summary['walls']}"),
+            ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m"),
+            *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values()),
+            *(("note", finding) for finding in structure.findings(files)),
+        ]
+    )
+
+
+def _print_rows(rows: Iterable[tuple[str, str]]) -> None:
+    for name, value in rows:
+        typer.echo(f"{name:<12}  {value}")
 
 
 @app.command()
@@ -145,8 +140,7 @@ def info(file: Annotated[Path, typer.Argument(help="STEP, STL, BREP or .ont file
     """Tell what a part or an .ont file holds."""
     from v3dcad.pipeline import describe
 
-    for name, value in describe(file).items():
-        typer.echo(f"{name:<14}{value}")
+    _print_rows(describe(file).items())
 
 
 class _Progress:

@@ -51,7 +51,9 @@ class SolidPart:
 
     def sections(self, heights: Floats) -> Sequence[Section]:
         """Sections of the exact surfaces at each height (mm)."""
-        return [section(self.shape, float(z), at_base=z <= self.bounds[0, 2]) for z in heights]
+        return [
+            section(self.shape, float(z), at_base=z < self.bounds[0, 2] + 1e-6) for z in heights
+        ]
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""
