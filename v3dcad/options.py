@@ -46,13 +46,14 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
 def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     known = declared(cls, name)
     help_text = f"{known.help[:-1]} ({known.unit})." if known.unit else known.help
+    kind = get_type_hints(cls)[name]
     shown = typer.Option(
-        option(name),
+        f"{option(name)}/{option('no_' + name)}" if kind is bool else option(name),
         help=help_text,
         metavar=known.metavar,
         rich_help_panel=(cls.__doc__ or "")[:-1],
     )
-    annotation: Any = Annotated[get_type_hints(cls)[name], shown]
+    annotation: Any = Annotated[kind, shown]
     return inspect.Parameter(
         name,
         inspect.Parameter.KEYWORD_ONLY,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from v3dcad.errors import SettingError
 
@@ -75,8 +75,14 @@ class Checked:
     __dataclass_fields__: dict[str, dataclasses.Field[Any]]
 
     def __post_init__(self) -> None:
+        kinds = get_type_hints(type(self))
         for name in self.__dataclass_fields__:
-            declared(type(self), name).check(name, getattr(self, name))
+            kind, value = kinds[name], getattr(self, name)
+            if get_origin(kind) is Literal and value not in get_args(kind):
+                raise SettingError(
+                    name, f"{option(name)} {value}: give {' or '.join(get_args(kind))}"
+                )
+            declared(type(self), name).check(name, value)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -91,6 +97,25 @@ class FillSettings(Checked):
         40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=10_000_000
     )
     random_seed: int = setting(0, "Seed of the scatter.", least=0, most=2**63 - 1)
+    method: Literal["continuous", "thesis"] = setting(
+        "continuous", "How cells are born: continuous, or as the thesis has it."
+    )
+    insertion: bool = setting(True, "New cells are born where cells have become too large.")
+    interpolate: bool = setting(
+        False, "Compute the first and last layer only and loft between them, cell by cell."
+    )
+    boundary_tolerance: float = setting(
+        0.01,
+        "How close to the contour a corner counts as on it (thesis's method).",
+        unit="mm",
+        above=0,
+    )
+    weight_step: float = setting(
+        0.0,
+        "Steps in which an inserted cell's weight is lowered (thesis's method); 0 for the offset.",
+        unit="mm²",
+        least=0,
+    )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

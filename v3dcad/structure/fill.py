@@ -12,6 +12,7 @@ from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.model import Floats, Layer, Section, SiteState
 from v3dcad.settings import FillSettings
 from v3dcad.structure.growth import growing, spanning_tree
+from v3dcad.structure.thesis.loop import ThesisLayers
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -49,15 +50,20 @@ class Layers(Sequence[Layer]):
         )
 
 
-def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Layers:
+def fill_sections(
+    sections: Sequence[Section], sites: Floats, settings: FillSettings
+) -> Layers | ThesisLayers:
     """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
 
     At the base all weights are 0; sites on odd levels of the spanning tree of their Voronoi
-    diagram gain `settings.offset` mm² of weight a layer, linear in height. Raises
-    `GeometryError` for a site that is not finite.
+    diagram gain `settings.offset` mm² of weight a layer, linear in height; `settings.method`
+    "thesis" goes by the thesis's own algorithms instead. Raises `GeometryError` for a site that
+    is not finite.
     """
     for site in np.nonzero(~np.isfinite(sites).all(axis=1))[0]:
         raise GeometryError("its coordinates are not finite numbers", site=int(site))
+    if settings.method == "thesis":
+        return ThesisLayers(sections, sites, settings, power_diagram)
     # The spanning tree lies within the sites' hull, so a rectangle around them holds all of it.
     low, high = sites.min(axis=0) - 1.0, sites.max(axis=0) + 1.0
     around = Section(0.0, (np.array([low, [high[0], low[1]], high, [low[0], high[1]]]),))
