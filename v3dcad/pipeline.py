@@ -16,8 +16,10 @@ from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Toolpath
 from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.fill import fill_sections
+from v3dcad.structure.loft import loft_sections
 from v3dcad.structure.place import layer_heights, on_bed
 from v3dcad.structure.sites import scatter_sites
+from v3dcad.structure.thesis.loop import ThesisLayer
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -112,6 +114,8 @@ class Structure:
             "walls": sum(row["walls"] for row in rows),
             "wall_length_mm": sum(row["wall_length_mm"] for row in rows),
             "contour_length_mm": sum(row["contour_length_mm"] for row in rows),
+            "inserted_sites": rows[-1]["inserted_sites"],
+            "layers_without_candidate": sum(row["without_candidate"] for row in rows),
             "by_layer": rows,
         }
 
@@ -132,6 +136,8 @@ def _layer_report(layer: Layer) -> dict[str, Any]:
         "wall_length_mm": float(lengths[inner].sum()),
         "contour_length_mm": float(lengths[~inner].sum()),
         "area_per_cell_mm2": layer.area_per_cell,
+        "inserted_sites": int((layer.state.born_at > 0).sum()),
+        "without_candidate": isinstance(layer, ThesisLayer) and layer.unanswered,
     }
 
 
@@ -153,8 +159,11 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
-    sections = part.sections(layer_heights(float(part.bounds[1, 2]), settings.layer_height))
-    layers = fill_sections(sections, sites, settings)
+    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    if settings.interpolate and settings.method == "thesis":
+        lofted = loft_sections(part.sections(np.unique(heights[[0, -1]])), heights, sites, settings)
+        return Structure(part, placement, settings, lofted, lofted.sites)
+    layers = fill_sections(part.sections(heights), sites, settings)
     return Structure(part, placement, settings, layers, layers.sites)
 
 

@@ -51,6 +51,15 @@ def _linked(edges: Ints) -> list[Ints]:
     return found
 
 
+def corner_signatures(diagram: Diagram) -> list[tuple[int, ...]]:
+    """For each vertex the cells around it, ascending; `OUTSIDE` on the section's boundary."""
+    around: list[set[int]] = [set() for _ in diagram.vertices]
+    for edge, pair in zip(diagram.edges.tolist(), diagram.edge_sites.tolist(), strict=True):
+        for vertex in edge:
+            around[vertex].update(pair)
+    return [tuple(sorted(sites)) for sites in around]
+
+
 def corner_count(diagram: Diagram, site: int) -> int:
     """The number of distinct corners of a site's cell (Algorithm 4)."""
     ids = diagram.edges[(diagram.edge_sites == site).any(axis=1)]

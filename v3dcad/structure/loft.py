@@ -1,0 +1,139 @@
+"""2D linear interpolation (thesis §3.5.6): the first and the last layer, lofted.
+
+For the thesis's method only, whose layers come one from the other. Those of the continuous
+method are functions of the height: each can be had alone, which is their exact loft.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.power_diagram import power_diagram
+from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState
+from v3dcad.settings import FillSettings
+from v3dcad.structure.thesis.cells import corner_signatures, rings
+from v3dcad.structure.thesis.loop import thesis_layers
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoftedLayers(Sequence[Layer]):
+    """Layers between two, every corner on the straight line between its two places."""
+
+    first: Layer
+    last: Layer
+    """its diagram's vertices and edges in the order of the first one's"""
+    heights: Floats
+    """(l,) mm, where the layers are"""
+
+    @property
+    def sites(self) -> Floats:
+        """(n, 2) mm."""
+        return self.first.state.sites
+
+    def __len__(self) -> int:
+        return len(self.heights)
+
+    def __iter__(self) -> Iterator[Layer]:
+        return (self[index] for index in range(len(self)))
+
+    def __getitem__(self, index: int) -> Layer:  # type: ignore[override]
+        """Layer `index`; negative ones count from the top."""
+        index = range(len(self))[index]
+        z = float(self.heights[index])
+        span = self.last.z - self.first.z
+        share = (z - self.first.z) / span if span else 0.0
+        start, stop = self.first, self.last
+        below = start.diagram
+        vertices = (1 - share) * below.vertices + share * stop.diagram.vertices
+        diagram = Diagram(vertices, below.edges, below.edge_sites, below.neighbours)
+        contours = tuple(vertices[ring] for ring in rings(below, OUTSIDE))
+        state = SiteState(
+            sites=start.state.sites,
+            weights=(1 - share) * start.state.weights + share * stop.state.weights,
+            growth=start.state.growth,
+            born_at=start.state.born_at,
+        )
+        areas = diagram.areas(len(state.sites))
+        return Layer(
+            index=index,
+            section=Section(z, contours),
+            state=state,
+            diagram=diagram,
+            tree=start.tree,
+            area_per_cell=float(areas.sum()) / max(len(diagram.sites()), 1),
+        )
+
+
+def loft_sections(
+    sections: Sequence[Section], heights: Floats, sites: Floats, settings: FillSettings
+) -> LoftedLayers:
+    """Layers at heights (l,), mm, lofted between the first and the last of some sections.
+
+    On the last one, growing sites (n, 2), mm, weigh offset × number of layers. Raises
+    `GeometryError` where a cell has not the same corners on both (see `matching_vertices`).
+    """
+    first = next(thesis_layers(sections[:1], sites, settings, power_diagram))
+    grown = np.where(first.state.growth > 0, settings.offset * len(heights), 0.0)
+    diagram = power_diagram(sites, grown, sections[-1])
+    order = matching_vertices(first.diagram, diagram)
+    last = Layer(
+        index=len(heights) - 1,
+        section=sections[-1],
+        state=SiteState(sites, grown, first.state.growth, first.state.born_at),
+        diagram=Diagram(
+            diagram.vertices[order],
+            first.diagram.edges,
+            first.diagram.edge_sites,
+            first.diagram.neighbours,
+        ),
+        tree=first.tree,
+        area_per_cell=float(diagram.areas(len(sites)).sum()) / max(len(diagram.sites()), 1),
+    )
+    return LoftedLayers(first, last, heights)
+
+
+def matching_vertices(first: Diagram, last: Diagram) -> Ints:
+    """(v,) for each vertex of the first diagram the one of the last that it moves to.
+
+    Cells match where they have as many corners, which is the thesis's own check, and the corners
+    lie between the same cells in the same order. Where that leaves a choice, the least movement
+    decides. Raises `GeometryError` naming the first cell that does not match.
+    """
+    signatures, wanted = corner_signatures(first), corner_signatures(last)
+    order = np.full(len(first.vertices), -1)
+    for site in np.union1d(first.sites(), last.sites()).tolist():
+        here, there = rings(first, site), rings(last, site)
+        if not here or not there:
+            where = "last" if here else "first"
+            raise _cannot(site, f"has no cell on the {where} layer")
+        if len(here) > 1 or len(there) > 1:
+            raise _cannot(site, "has a cell that is not one polygon")
+        if len(here[0]) != len(there[0]):
+            raise _cannot(
+                site,
+                f"has a cell with {len(here[0])} corners on the first layer "
+                f"and {len(there[0])} on the last",
+            )
+        turns = [
+            turned
+            for turned in (np.roll(there[0], turn) for turn in range(len(there[0])))
+            if [signatures[v] for v in here[0].tolist()] == [wanted[v] for v in turned.tolist()]
+            and ((order[here[0]] == -1) | (order[here[0]] == turned)).all()
+        ]
+        if not turns:
+            raise _cannot(site, "has a cell whose neighbours change from the first layer to last")
+        places = first.vertices[here[0]]
+        order[here[0]] = min(
+            turns, key=lambda turned: float(((last.vertices[turned] - places) ** 2).sum())
+        )
+    return order
+
+
+def _cannot(site: int, why: str) -> GeometryError:
+    return GeometryError(
+        f"{why}, so that the two cannot be lofted; leave --interpolate out", site=site
+    )
