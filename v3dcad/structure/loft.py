@@ -18,6 +18,9 @@ from v3dcad.settings import FillSettings
 from v3dcad.structure.thesis.cells import corner_signatures, rings
 from v3dcad.structure.thesis.loop import thesis_layers
 
+STRAIGHT = 1e-6
+"""mm; a ring's point this close to the line of the two beside it makes no corner."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LoftedLayers(Sequence[Layer]):
@@ -75,7 +78,9 @@ def loft_sections(
 
     On the last one, growing sites (n, 2), mm, weigh offset × number of layers. Raises
     `GeometryError` where a cell has not the same corners on both (see `matching_vertices`).
+    Points of a ring where it does not turn are no corners.
     """
+    sections = [_straightened(sections[0]), _straightened(sections[-1])]
     first = next(thesis_layers(sections[:1], sites, settings, power_diagram))
     grown = np.where(first.state.growth > 0, settings.offset * len(heights), 0.0)
     diagram = power_diagram(sites, grown, sections[-1])
@@ -94,6 +99,17 @@ def loft_sections(
         area_per_cell=float(diagram.areas(len(sites)).sum()) / max(len(diagram.sites()), 1),
     )
     return LoftedLayers(first, last, heights)
+
+
+def _straightened(section: Section) -> Section:
+    """The section without the points of its rings that lie on the line of the two beside them."""
+    kept = []
+    for ring in section.rings:
+        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+        chord, leg = after - before, ring - before
+        aside = np.abs(chord[:, 0] * leg[:, 1] - chord[:, 1] * leg[:, 0])
+        kept.append(ring[aside > STRAIGHT * np.hypot(*chord.T)])
+    return Section(section.z, tuple(kept))
 
 
 def matching_vertices(first: Diagram, last: Diagram) -> Ints:
