@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,8 @@ TABLE_41 = {
 TABLE_42 = {"cube": (3100, 18), "fine cube": (6000, 16)}
 """ms: regular and interpolated."""
 
+PARAMETERS = ("part", "layer height", "offset", "sites")
+
 
 def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """Print rows below their head, columns as wide as they need to be."""
@@ -60,13 +63,12 @@ def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> Non
 def walls(layer: Layer, height: float) -> Mesh:
     """Every edge of a layer, raised by its height: two triangles each."""
     ends = layer.diagram.vertices[layer.diagram.edges]
-    low, high = np.full((*ends.shape[:2], 1), layer.z), np.full((*ends.shape[:2], 1), layer.z)
-    corners = np.concatenate(
-        [np.concatenate([ends, low], 2), np.concatenate([ends, high + height], 2)], axis=1
-    ).reshape(-1, 3)
-    first = 4 * np.arange(len(ends))[:, None]
-    triangles = np.concatenate([first + [0, 1, 3], first + [0, 3, 2]])
-    return Mesh(corners, triangles)
+    z = np.full((len(ends), 2, 1), layer.z)
+    low, high = np.concatenate([ends, z], axis=2), np.concatenate([ends, z + height], axis=2)
+    corners = np.concatenate([low, high], axis=1).reshape(-1, 3)
+    both = np.array([[0, 1, 3], [0, 3, 2]])
+    triangles = 4 * np.arange(len(ends))[:, None, None] + both
+    return Mesh(corners, triangles.reshape(-1, 3))
 
 
 def wall_bytes(structure: Structure) -> tuple[int, int]:
@@ -102,8 +104,7 @@ def table_41(cases: Sequence[Recipe]) -> None:
         )
     table(
         "Table 4.1: sizes in kB, ours / thesis's (compressed: xz / RAR)",
-        ["part", "layer height", "offset", "sites", ".ont", ".ont compressed"]
-        + ["ASCII STL", "binary STL", "reduction %", "compressed %"],
+        [*PARAMETERS, ".ont", "compressed", "ASCII STL", "binary STL", "smaller by %", "packed %"],
         rows,
     )
 
@@ -143,7 +144,7 @@ def table_42() -> None:
         )
     table(
         "Table 4.2: time in ms, part to layers, ours / thesis's",
-        ["part", "layer height", "offset", "sites", "regular", "interpolated", "reduction %"],
+        [*PARAMETERS, "regular", "interpolated", "shorter by %"],
         rows,
     )
 
@@ -206,8 +207,7 @@ def overhang(cases: Sequence[Recipe]) -> None:
             )
     table(
         "Overhang: largest distance from a layer's walls to the layer below, mm",
-        ["part", "method", "offset", "inserted", "layers without candidate"]
-        + ["largest", "largest 99th percentile"],
+        ["part", "method", "offset", "inserted", "unanswered", "largest", "99 % below"],
         rows,
     )
 
@@ -230,7 +230,7 @@ def figure_313(path: Path) -> None:
         axes.plot(areas, label=name)
         born = [
             layer.index
-            for below, layer in zip(layers, layers[1:], strict=False)
+            for below, layer in pairwise(layers)
             if isinstance(layer, ThesisLayer)
             and isinstance(below, ThesisLayer)
             and len(layer.inserted) > len(below.inserted)

@@ -146,8 +146,8 @@ def _layer(
     state: State,
     diagram: Diagram,
 ) -> ThesisLayer:
-    has_cell = present(diagram, len(state.sites))
     areas = diagram.areas(len(state.sites))
+    cells = int(present(diagram, len(state.sites)).sum())
     tree = spanning_tree(state.sites, diagram.neighbours)
     heights = np.array([sections[layer].z for layer in state.born_in.tolist()])
     return ThesisLayer(
@@ -163,10 +163,10 @@ def _layer(
         ),
         diagram=diagram,
         tree=tree,
-        area_per_cell=float(areas.sum()) / max(int(has_cell.sum()), 1),
+        area_per_cell=float(areas.sum()) / max(cells, 1),
         diagram_before_inset=diagram,
         inserted=state.inserted(),
-        cell_order=walked(np.nonzero(has_cell)[0], tree, state.sites)[0],
+        cell_order=walked(diagram.sites(), tree, state.sites)[0],
         inset_distance=np.where(state.inset_steps == UNTOUCHED, 0, state.inset_steps) * STEP,
         unanswered=False,
     )
