@@ -33,7 +33,7 @@ class Recipe:
 
 
 def settings(layer_height: float, offset: float, sites: int, random_seed: int = 0) -> FillSettings:
-    """The thesis's method with three columns' worth of parameters."""
+    """The thesis's method with the parameters that its tables state."""
     return FillSettings(
         method="thesis",
         layer_height=layer_height,
@@ -66,6 +66,11 @@ def cubes() -> list[Recipe]:
 def pyramid_of_50() -> Recipe:
     """The example of §3.2.1: Figs. 3.9 and 3.11 to 3.16."""
     return Recipe("pyramid of 50", lambda: _pyramid(67, 50), settings(0.2, 0.1, 50))
+
+
+def prism_of_300() -> Recipe:
+    """Not of the thesis: a part whose section stays, so that many sites are inserted."""
+    return Recipe("prism of 300", lambda: Box(100, 100, 40), settings(0.2, 0.5, 300))
 
 
 def _pyramid(side: float, height: float) -> Any:
