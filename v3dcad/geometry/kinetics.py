@@ -42,6 +42,7 @@ from v3dcad.geometry.triangulation import (
 from v3dcad.model import Floats, Ints
 
 NEVER = np.inf
+ALWAYS = -(1 << 62)
 ROUNDING = 4e-15
 """Bound of the relative error of the floating power test (some 20 operations)."""
 
@@ -57,6 +58,8 @@ class Motion(NamedTuple):
     """(p,) int64: weight at time 0, steps²"""
     growth: Any
     """(p,) int64: weight gained in one unit of time, steps²"""
+    born: Any
+    """(p,) int64: time of birth; `ALWAYS` for points that were there from the start"""
     begun: Any
     """(t,) float64: when each triangle came to be"""
     stamp: Any
@@ -77,6 +80,7 @@ class Motion(NamedTuple):
 
 MOTION = TupleType(
     [
+        types.int64[::1],
         types.int64[::1],
         types.int64[::1],
         types.float64[::1],
@@ -375,6 +379,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
     motion = Motion(
         base=mesh.points[:, 2] - growth * now,
         growth=growth,
+        born=np.full(points, ALWAYS),
         begun=np.zeros(triangles),
         stamp=np.zeros(3 * triangles, np.int32),
         due=np.empty(3 * triangles),
@@ -402,6 +407,7 @@ def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangu
     motion = motion._replace(
         base=_longer(motion.base, points),
         growth=_longer(motion.growth, points),
+        born=_longer(motion.born, points),
         begun=_longer(motion.begun, triangles),
         stamp=_longer(motion.stamp, 3 * triangles),
         due=_longer(motion.due, 3 * triangles),

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, POINT_ROWS, WORD, conflicts
+from v3dcad.geometry.exact import COMPILED, INLINED, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.grid import HEAVIEST
-from v3dcad.geometry.kinetics import LAST, MOTION, NOW, add_point
+from v3dcad.geometry.kinetics import ALWAYS, LAST, MOTION, NOW, add_point
 from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, SENTINELS, TRIANGLES, locate
 
 FLOAT, SIDES = types.float64, types.int8[::1]
@@ -109,13 +109,21 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@njit(WORD(MESH, MOTION, SIDES, WORD, FLOAT), **COMPILED)
-def give_births(mesh, motion, inside, wanted, reach):  # type: ignore[no-untyped-def]
+@njit(types.boolean(MOTION, WORD, FLOAT), **INLINED)
+def ripe(motion, point, gain):  # type: ignore[no-untyped-def]
+    """Whether a point is no newborn, or has gained so much weight since its birth, steps²."""
+    age = motion.state[NOW] - motion.born[point]
+    return motion.born[point] == ALWAYS or motion.growth[point] * age >= gain
+
+
+@njit(WORD(MESH, MOTION, SIDES, WORD, FLOAT, FLOAT), **COMPILED)
+def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
     Each is at the centroid of a triangle whose vertex lies `inside` (t,) the section. It grows
     as fast as the fastest of the three, one step faster where they are equal, and keeps its
-    distance: `reach` grid steps per step of growth. There must be room for them in points and log.
+    distance: `reach` grid steps per step of growth. A newborn is no parent before it has gained the
+    weight `gain`, steps²: around its tiny cell the hole still looks as large as before. There must be room for them in points and log.
     """
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
     time, total = motion.state[NOW], mesh.count[TRIANGLES]
@@ -134,9 +142,9 @@ def give_births(mesh, motion, inside, wanted, reach):  # type: ignore[no-untyped
         holes[0], places[0] = holes[length], places[length]
         _sink(holes, places, 0, length)
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        q = mesh.count[POINTS]
-        if max(a, b, c) >= q - born:  # a newborn has just been put here
+        if not (ripe(motion, a, gain) and ripe(motion, b, gain) and ripe(motion, c, gain)):
             continue
+        q = mesh.count[POINTS]
         fastest = max(growth[a], growth[b], growth[c])
         grows = fastest + (growth[a] == growth[b] and growth[b] == growth[c])
         points[q, 0] = round((points[a, 0] + points[b, 0] + points[c, 0]) / 3)
@@ -152,6 +160,7 @@ def give_births(mesh, motion, inside, wanted, reach):  # type: ignore[no-untyped
         growth[q], motion.base[q] = grows, points[q, 2] - grows * time
         if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:
             continue
+        motion.born[q] = time
         mesh.count[POINTS] += 1
         add_point(mesh, motion, triangle, q)
         born += 1

@@ -9,9 +9,9 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.grid import Grid
-from v3dcad.geometry.kinetics import STRUTS, end_all, motion_of, with_room
+from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, triangulation
+from v3dcad.geometry.triangulation import POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
 from v3dcad.structure.layers import (
     LAYERS,
@@ -45,7 +45,7 @@ class Timed(Value):
     growth: Ints
     """(n,) steps² per unit of time"""
     born: Ints
-    """(n,) the layer of birth; 0 for those that were there from the start"""
+    """(n,) time of birth, or `ALWAYS`"""
     site_of: Ints
     """(n,) site numbers"""
 
@@ -68,16 +68,16 @@ class Course:
         self.growth_step = growth_step
         self.heights = heights
         self.times = times_of(heights, growth_step, grid)
-        self._born = sites.born
         self._curve = sites.site_of
         first, last = int(self.times[0]), int(self.times[-1])
         self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
         self.motion = motion_of(self.mesh, growth, first, last)
+        self.motion.born[SENTINELS:] = sites.born
 
     def sites(self) -> Timed:
         """All sites up to now, newborns among them."""
-        count = len(self._born)
+        count = int(self.mesh.count[POINTS]) - SENTINELS
         rows = slice(SENTINELS, SENTINELS + count)
         site_of = np.arange(count)
         site_of[: len(self._curve)] = self._curve
@@ -85,7 +85,7 @@ class Course:
             self.mesh.points[rows, :2].copy(),
             self.motion.base[rows].copy(),
             self.motion.growth[rows].copy(),
-            self._born,
+            self.motion.born[rows].copy(),
             site_of,
         )
 
@@ -103,7 +103,7 @@ class Course:
             fault = int(made.outcome[STATUS])
             if fault == NEEDS_ROOM:
                 self.mesh, self.motion = with_room(
-                    self.mesh, self.motion, int(made.outcome[ROOM]) + len(self._born) // 4
+                    self.mesh, self.motion, int(made.outcome[ROOM]) + len(self._curve) // 4 + 1
                 )
             yield from self._layers(made, sections[done:], index + done)
             done += int(made.outcome[LAYERS])
@@ -125,7 +125,7 @@ class Course:
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
         reach = self.growth_step / 2 / self.grid.pitch
-        made: Run = run(
+        return run(
             self.mesh,
             self.motion,
             site_of,
@@ -138,11 +138,6 @@ class Course:
             reach,
             full_cell,
         )
-        counts = made.points[: made.outcome[LAYERS]] - SENTINELS
-        born = np.diff(counts, prepend=len(self._born))
-        layers = np.repeat(np.arange(index, index + len(counts)), born)
-        self._born = np.concatenate([self._born, layers])
-        return made
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""
@@ -151,7 +146,8 @@ class Course:
         places = grid.millimetres(everyone.places)[point_of]
         base, growth = everyone.base[point_of], everyone.growth[point_of]
         speed = growth * self.growth_step
-        born_at = np.where(everyone.born == 0, 0.0, self.heights[everyone.born])[point_of]
+        layer_of = np.searchsorted(self.times, everyone.born)
+        born_at = np.where(everyone.born == ALWAYS, 0.0, self.heights[layer_of])[point_of]
         vertices, graph = made.vertices, -1
         for layer in range(int(made.outcome[LAYERS])):
             if made.graphs[layer] != graph:

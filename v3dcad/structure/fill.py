@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
-from v3dcad.geometry.kinetics import logged_struts
+from v3dcad.geometry.kinetics import ALWAYS, logged_struts
 from v3dcad.geometry.tree import spanning_tree
 from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, Triangulation, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
@@ -125,7 +125,8 @@ class Filling:
         order = curve_order(places)
         still = np.zeros(len(places), np.int64)
         grows = _growing(places, triangulation(places[order], still), order)
-        self._start = Timed(places[order], still, grows[order].astype(np.int64), still, order)
+        always = np.full(len(places), ALWAYS)
+        self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
         self._heights = np.array([section.z for section in sections], np.float64)
         self._history: History | None = None
         if (
@@ -133,8 +134,8 @@ class Filling:
             and np.abs(times_of(self._heights, self.growth_step, grid)).max() > HEAVIEST
         ):
             raise GeometryError(
-                f"a weight of {self.growth_step * self._heights[-1]:g} mm² on the last layer is beyond "
-                f"the safe range of {16 * grid.size**2:g} mm²: lower the offset",
+                f"a weight of {self.growth_step * self._heights[-1]:g} mm² on the last layer is "
+                f"beyond the safe range of {16 * grid.size**2:g} mm²: lower the offset",
                 site=int(np.argmax(grows)),
             )
 
@@ -154,8 +155,10 @@ class Filling:
     def births(self) -> Ints:
         """(b, 2) which layer gave birth to which site."""
         sites = self.history.sites
-        newborn = np.nonzero(sites.born)[0]
-        return np.column_stack([sites.born[newborn], sites.site_of[newborn]])
+        newborn = np.nonzero(sites.born != ALWAYS)[0]
+        times = times_of(self._heights, self.growth_step, self.grid)
+        layers = np.searchsorted(times, sites.born[newborn])
+        return np.column_stack([layers, sites.site_of[newborn]])
 
     @property
     def box(self) -> Floats:
@@ -173,7 +176,7 @@ class Filling:
         return self._history
 
     def at(self, z: float, section: Section | None = None) -> Diagram:
-        """The diagram at any height z, mm, cut by a section's rings, or else by the base rectangle."""
+        """The diagram at any height z, mm, cut by a section's rings or else the base rectangle."""
         rings = (self.box,) if section is None else section.rings
         return self.slice(Section(z, rings), 0).diagram
 
@@ -182,8 +185,7 @@ class Filling:
         sites = self.history.sites
         heights = np.array([section.z])
         time = times_of(heights, self.growth_step, self.grid)[0]
-        birth_times = times_of(self._heights, self.growth_step, self.grid)[sites.born]
-        alive = int(np.count_nonzero((sites.born == 0) | (birth_times <= time)))
+        alive = int(np.count_nonzero(sites.born <= time))
         course = Course(self.grid, sites.first(alive), self.growth_step, heights)
         layer = next(course.run([section], 0, np.inf))
         return replace(layer, index=index)

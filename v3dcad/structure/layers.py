@@ -144,8 +144,8 @@ def run(  # type: ignore[no-untyped-def]
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
     `site_of` (p,) gives each point's site and `point_of` each site's point; (`left`, `low`), mm,
-    and `pitch` the grid. Births are given where the area per cell is above `full_cell`, mm² (infinite: none), at a distance of
-    `reach` grid steps per step of growth.
+    and `pitch` the grid. Births are given where the area per cell is above `full_cell`, mm²
+    (infinite: none), at a distance of `reach` grid steps per step of growth.
     """
     layers = len(times)
     outcome = np.zeros(3, np.int64)
@@ -216,7 +216,7 @@ def run(  # type: ignore[no-untyped-def]
                 outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
                 failed = True
                 break
-            born = give_births(mesh, motion, inside, wanted, reach)
+            born = give_births(mesh, motion, inside, wanted, reach, full_cell / pitch / pitch)
             if born == 0:
                 break
             if fresh:
