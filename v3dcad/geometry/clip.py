@@ -13,10 +13,13 @@ cell, over the diagram's edge that is dual to one of the triangulation.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numba import njit, types
+from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import COMPILED, INLINED, POINT_ROWS, WORD
+from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
 from v3dcad.geometry.kinetics import MOTION, strut
 from v3dcad.geometry.triangulation import (
     ACROSS,
@@ -41,7 +44,26 @@ FLOATS, FLOAT_ROWS, SIDES = types.float64[::1], types.float64[:, ::1], types.int
 INTS, INT_ROWS = types.int64[::1], types.int64[:, ::1]
 ROW, ROWS = types.int32[::1], types.int32[:, ::1]
 WALKED = types.Tuple((WORD, ROWS, FLOATS))
-GRAPH = types.Tuple((FLOAT_ROWS, INT_ROWS, INT_ROWS, INT_ROWS))
+
+
+class Graph(NamedTuple):
+    """Where cut graphs are written: behind each other, with room for the next."""
+
+    edges: Any
+    """(e, 2) int64 vertices"""
+    sites: Any
+    """(e, 2) int64: to the right and to the left of each edge"""
+    neighbours: Any
+    """(m, 2) int64 sites"""
+    end: Any
+    """(2,) int64: how many rows of edges and of neighbours are in use"""
+    keys: Any
+    """(k,) int32: 3 · triangle + edge of each of the last graph's neighbours"""
+    struts: Any
+    """(t, 4) float64: how the last graph's inner vertices move"""
+
+
+OUT = TupleType([INT_ROWS, INT_ROWS, INT_ROWS, INTS, ROW, FLOAT_ROWS], Graph)
 
 
 @njit(FLOAT(POINT_ROWS, WORD, FLOAT, FLOAT), **INLINED)
@@ -60,7 +82,7 @@ def power_gap(points, cell, other, x, y):  # type: ignore[no-untyped-def]
     return dx * (along_x - 2 * x) + dy * (along_y - 2 * y) + lighter
 
 
-@njit(WORD(MESH, WORD, FLOAT, FLOAT), **COMPILED)
+@njit(WORD(MESH, WORD, FLOAT, FLOAT), **INTERNAL)
 def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
     """The cell that holds (x, y), searched from neighbour to nearer neighbour.
 
@@ -89,7 +111,7 @@ def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
 
 @njit(
     WALKED(MESH, ROWS, FLOATS, WORD, WORD, *[FLOAT] * 4, WORD),
-    **COMPILED,
+    **INTERNAL,
 )
 def walk_segment(  # type: ignore[no-untyped-def]
     mesh, crossings, at, count, cell, ax, ay, bx, by, segment
@@ -128,8 +150,12 @@ def walk_segment(  # type: ignore[no-untyped-def]
             return count, crossings, at
         reached = min(max(reached, soonest), 1.0)
         if count == len(at):
-            crossings = np.concatenate((crossings, np.empty_like(crossings)))
-            at = np.concatenate((at, np.empty_like(at)))
+            shorter, at_shorter = crossings, at
+            crossings, at = np.empty((2 * count, 4), np.int32), np.empty(2 * count)
+            for row in range(count):
+                at[row] = at_shorter[row]
+                for column in range(4):
+                    crossings[row, column] = shorter[row, column]
         crossings[count, EDGE], crossings[count, WINDING] = crossed, winding
         crossings[count, SEGMENT], crossings[count, INTO] = segment, ahead
         at[count] = reached
@@ -138,11 +164,12 @@ def walk_segment(  # type: ignore[no-untyped-def]
 
 
 @njit(
-    WALKED(MESH, FLOAT_ROWS, INTS, ROW, ROWS, FLOATS),
-    **COMPILED,
+    WALKED(MESH, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS),
+    **INTERNAL,
 )
-def walk_rings(mesh, corners, starts, begun_in, crossings, at):  # type: ignore[no-untyped-def]
-    """Walk the rings (corners (r, 2) in grid steps, ring k from starts[k] to starts[k + 1]).
+def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: ignore[no-untyped-def]
+    """Walk the rings (corners (r, 2) in grid steps, ring k from starts[k] to starts[k + 1]),
+    `after` each corner the next.
 
     Fills `begun_in` (rings,) with the cell that each begins in; returns the number of crossings,
     or −1 where a ring does not close, and the arrays of them, which may have been replaced.
@@ -159,7 +186,7 @@ def walk_rings(mesh, corners, starts, begun_in, crossings, at):  # type: ignore[
         while True:
             begun_in[ring] = cell
             for segment in range(start, stop):
-                after = segment + 1 if segment + 1 < stop else start
+                end = after[segment]
                 count, crossings, at = walk_segment(
                     mesh,
                     crossings,
@@ -168,8 +195,8 @@ def walk_rings(mesh, corners, starts, begun_in, crossings, at):  # type: ignore[
                     cell,
                     corners[segment, 0],
                     corners[segment, 1],
-                    corners[after, 0],
-                    corners[after, 1],
+                    corners[end, 0],
+                    corners[end, 1],
                     segment,
                 )
                 if count > since:
@@ -182,7 +209,7 @@ def walk_rings(mesh, corners, starts, begun_in, crossings, at):  # type: ignore[
     return count, crossings, at
 
 
-@njit(types.boolean(MESH, ROWS, WORD, ROW, ROW, SIDES), **COMPILED)
+@njit(types.boolean(MESH, ROWS, WORD, ROW, ROW, SIDES), **INTERNAL)
 def wind(mesh, crossings, count, first_on, next_on, inside):  # type: ignore[no-untyped-def]
     """Find which triangles' vertices lie inside the section: `inside` (t,) 0 or 1.
 
@@ -195,7 +222,8 @@ def wind(mesh, crossings, count, first_on, next_on, inside):  # type: ignore[no-
         next_on[crossing] = first_on[edge]
         first_on[edge] = crossing
     unknown = -2
-    inside[: mesh.count[TRIANGLES]] = unknown
+    for triangle in range(mesh.count[TRIANGLES]):
+        inside[triangle] = unknown
     stack[0] = mesh.triangle_of[0]  # at a sentinel, far outside
     inside[stack[0]] = 0
     waiting, sound = 1, True
@@ -222,14 +250,14 @@ def wind(mesh, crossings, count, first_on, next_on, inside):  # type: ignore[no-
     return sound
 
 
-@njit(types.void(ROWS, WORD, ROW), **COMPILED)
+@njit(types.void(ROWS, WORD, ROW), **INTERNAL)
 def unchain(crossings, count, first_on):  # type: ignore[no-untyped-def]
     """Make `first_on` −1 again."""
     for crossing in range(count):
         first_on[crossings[crossing, EDGE]] = -1
 
 
-@njit(WORD(MESH, ROW, ROWS, WORD, SIDES, ROW, WORD), **COMPILED)
+@njit(WORD(MESH, ROW, ROWS, WORD, SIDES, ROW, WORD), **INTERNAL)
 def count_cells(mesh, begun_in, crossings, count, inside, seen, token):  # type: ignore[no-untyped-def]
     """How many cells have a part inside. Marks them in `seen` (p,) with a token not used before."""
     cells = 0
@@ -252,29 +280,19 @@ def count_cells(mesh, begun_in, crossings, count, inside, seen, token):  # type:
     return cells
 
 
-@njit(WORD(INTS, WORD), **COMPILED)
-def _after(starts, corner):  # type: ignore[no-untyped-def]
-    """The corner that follows on the same ring."""
-    ring = np.searchsorted(starts, corner, side="right")
-    return starts[ring - 1] if corner + 1 == starts[ring] else corner + 1
+@njit(types.void(INTS, INTS), **INTERNAL)
+def link_corners(starts, after):  # type: ignore[no-untyped-def]
+    """Fill `after` (r,): which corner follows each on its ring."""
+    for ring in range(len(starts) - 1):
+        for corner in range(starts[ring], starts[ring + 1]):
+            after[corner] = corner + 1 if corner + 1 < starts[ring + 1] else starts[ring]
 
 
 @njit(
-    GRAPH(
-        MESH,
-        MOTION,
-        INTS,
-        FLOAT_ROWS,
-        INTS,
-        ROW,
-        ROWS,
-        FLOATS,
-        WORD,
-        ROW,
-        ROW,
-        SIDES,
+    types.UniTuple(WORD, 3)(
+        MESH, MOTION, INTS, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS, WORD, ROW, ROW, SIDES, OUT
     ),
-    **COMPILED,
+    **INTERNAL,
 )
 def cut_graph(  # type: ignore[no-untyped-def]
     mesh,
@@ -282,6 +300,7 @@ def cut_graph(  # type: ignore[no-untyped-def]
     site_of,
     corners,
     starts,
+    after,
     begun_in,
     crossings,
     at,
@@ -289,35 +308,31 @@ def cut_graph(  # type: ignore[no-untyped-def]
     first_on,
     next_on,
     inside,
+    out,
 ):
     """The diagram's part inside the rings, after `walk_rings` and `wind`.
 
-    Vertices are numbered: inner ones, then the rings' corners, then the crossings. Returns the
-    struts (v, 4) of the inner vertices, edges (e, 2), their sites (e, 2) by `site_of` (p,), the
-    second on the left, and the neighbours (m, 2).
+    Vertices are numbered: inner ones, then the rings' corners, then the crossings. Writes into
+    `out`, by the site numbers `site_of` (p,), and returns how many inner vertices there are and
+    where edges and neighbours end.
     """
-    points, triangles = mesh.points, mesh.triangles
+    points, triangles, edges, sites = mesh.points, mesh.triangles, out.edges, out.sites
+    neighbours, keys, struts = out.neighbours, out.keys, out.struts
     total = mesh.count[TRIANGLES]
     vertex_of = np.empty(total, np.int32)
     inner = 0
     for triangle in range(total):
         if inside[triangle] == 1 and triangles[triangle, 0] != NOTHING:
             vertex_of[triangle] = inner
+            a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+            x, y, vx, vy = strut(points, motion.base, motion.growth, a, b, c)
+            struts[inner, 0], struts[inner, 1], struts[inner, 2], struts[inner, 3] = x, y, vx, vy
             inner += 1
-    struts = np.empty((inner, 4))
-    corner_count = len(corners)
-    room = 3 * inner + corner_count + 2 * count
-    edges, sites = np.empty((room, 2), np.int64), np.empty((room, 2), np.int64)
-    neighbours = np.empty((3 * inner + count, 2), np.int64)
-    length, pairs, crossing_base = 0, 0, inner + corner_count
+    length, first_pair, crossing_base = out.end[0], out.end[1], inner + len(corners)
+    pairs = first_pair
     for triangle in range(total):
         if triangles[triangle, 0] == NOTHING:
             continue
-        if inside[triangle] == 1:
-            a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-            track = strut(points, motion.base, motion.growth, a, b, c)
-            for k in range(4):
-                struts[vertex_of[triangle], k] = track[k]
         for i in range(3):
             other = triangles[triangle, ACROSS + i]
             if other < triangle:  # hull edges too
@@ -338,7 +353,7 @@ def cut_graph(  # type: ignore[no-untyped-def]
                     while crossing >= 0:
                         if crossings[crossing, WINDING] == (-1 if winding == 1 else 1):
                             p = crossings[crossing, SEGMENT]
-                            q = _after(starts, p)
+                            q = after[p]
                             x = corners[p, 0] + at[crossing] * (corners[q, 0] - corners[p, 0])
                             y = corners[p, 1] + at[crossing] * (corners[q, 1] - corners[p, 1])
                             if x * way_x + y * way_y < soonest:
@@ -362,6 +377,7 @@ def cut_graph(  # type: ignore[no-untyped-def]
                 sites[row, 0], sites[row, 1] = min(low, high), max(low, high)
             if length > since:
                 neighbours[pairs, 0], neighbours[pairs, 1] = min(low, high), max(low, high)
+                keys[pairs - first_pair] = 3 * triangle + i
                 pairs += 1
     crossing = 0
     for ring in range(len(starts) - 1):
@@ -374,24 +390,36 @@ def cut_graph(  # type: ignore[no-untyped-def]
                 length += 1
                 begin, cell = crossing_base + crossing, crossings[crossing, INTO]
                 crossing += 1
-            edges[length, 0], edges[length, 1] = begin, inner + _after(starts, segment)
+            edges[length, 0], edges[length, 1] = begin, inner + after[segment]
             sites[length, 0], sites[length, 1] = -1, site_of[cell]
             length += 1
-    return struts, edges[:length], sites[:length], neighbours[:pairs]
+    return inner, length, pairs
 
 
 @njit(
-    WORD(FLOAT_ROWS, FLOAT, FLOAT_ROWS, INTS, ROWS, FLOATS, WORD, *[FLOAT] * 3, FLOAT_ROWS, WORD),
-    **COMPILED,
+    WORD(
+        FLOAT_ROWS,
+        WORD,
+        FLOAT,
+        FLOAT_ROWS,
+        INTS,
+        ROWS,
+        FLOATS,
+        WORD,
+        *[FLOAT] * 3,
+        FLOAT_ROWS,
+        WORD,
+    ),
+    **INTERNAL,
 )
 def place_vertices(  # type: ignore[no-untyped-def]
-    struts, time, corners, starts, crossings, at, count, left, low, pitch, vertices, row
+    struts, inner, time, corners, after, crossings, at, count, left, low, pitch, vertices, row
 ):
     """Write the vertices' coordinates, mm, into `vertices` from `row` on; returns the row after.
 
     The rings' corners (r, 2) are in mm; (`left`, `low`), mm, and `pitch` say where the grid lies.
     """
-    for vertex in range(len(struts)):
+    for vertex in range(inner):
         vertices[row, 0] = left + pitch * (struts[vertex, 0] + time * struts[vertex, 2])
         vertices[row, 1] = low + pitch * (struts[vertex, 1] + time * struts[vertex, 3])
         row += 1
@@ -400,7 +428,7 @@ def place_vertices(  # type: ignore[no-untyped-def]
         row += 1
     for crossing in range(count):
         p = crossings[crossing, SEGMENT]
-        q = _after(starts, p)
+        q = after[p]
         for k in range(2):
             vertices[row, k] = corners[p, k] + at[crossing] * (corners[q, k] - corners[p, k])
         row += 1

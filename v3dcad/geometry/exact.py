@@ -16,10 +16,18 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-COMPILED: dict[str, Any] = {"cache": True, "nogil": True, "boundscheck": False}
+COMPILED: dict[str, Any] = {
+    "cache": True,
+    "nogil": True,
+    "boundscheck": False,
+    "no_cfunc_wrapper": True,
+}
 """How everything in the engine is compiled: no fastmath, so that bits do not depend on it."""
 
-INLINED = {**COMPILED, "forceinline": True}
+INTERNAL = {**COMPILED, "no_cpython_wrapper": True}
+"""How functions are that only compiled code calls: without a way in from Python."""
+
+INLINED = {**INTERNAL, "forceinline": True}
 """How its small functions are: calls that pass many arrays cost more than they do."""
 
 WORD = types.int64

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import COMPILED, INLINED, POINT_ROWS, WORD, conflicts
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.triangulation import (
     ACROSS,
     FLIP,
@@ -97,7 +97,7 @@ MOTION = TupleType(
 TIME = types.float64
 
 
-@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **COMPILED)
+@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INTERNAL)
 def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
     """Where the orthocentre of a triangle is at time 0, and how it moves per unit of time.
 
@@ -165,7 +165,7 @@ def _sift(motion, at, length):  # type: ignore[no-untyped-def]
     due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
 
 
-@njit(types.void(MOTION), **COMPILED)
+@njit(types.void(MOTION), **INTERNAL)
 def _drop_stale(motion):  # type: ignore[no-untyped-def]
     """Take entries out of the heap that no longer hold: what stays is at most one an edge."""
     due, edges, stamp = motion.due, motion.due_edge, motion.stamp
@@ -179,7 +179,7 @@ def _drop_stale(motion):  # type: ignore[no-untyped-def]
         _sift(motion, at, length)
 
 
-@njit(types.void(MOTION, TIME, WORD, WORD), **COMPILED)
+@njit(types.void(MOTION, TIME, WORD, WORD), **INTERNAL)
 def _push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
     due, edges, state = motion.due, motion.due_edge, motion.state
     if state[DUE] == len(due):
@@ -193,7 +193,7 @@ def _push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
     due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
 
 
-@njit(WORD(MOTION), **COMPILED)
+@njit(WORD(MOTION), **INTERNAL)
 def _pop(motion):  # type: ignore[no-untyped-def]
     """Take the first entry out; returns its edge, or −1 where it no longer holds."""
     due, edges, state = motion.due, motion.due_edge, motion.state
@@ -206,7 +206,7 @@ def _pop(motion):  # type: ignore[no-untyped-def]
     return edge if motion.stamp[edge] == stamp else -1
 
 
-@njit(types.void(MESH, MOTION, WORD, WORD, TIME), **COMPILED)
+@njit(types.void(MESH, MOTION, WORD, WORD, TIME), **INTERNAL)
 def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-def]
     """Enter when the exact test of an edge is due, no sooner than `earliest`."""
     triangles = mesh.triangles
@@ -233,7 +233,7 @@ def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-de
         _push(motion, due, edge, motion.stamp[edge])
 
 
-@njit(types.void(MESH, MOTION, WORD), **COMPILED)
+@njit(types.void(MESH, MOTION, WORD), **INTERNAL)
 def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
     """Log a triangle that ends at this moment; not one that lasted no time at all."""
     triangles, begun, moment = mesh.triangles, motion.begun[triangle], motion.moment[0]
@@ -247,7 +247,7 @@ def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
         motion.spans[row, 0], motion.spans[row, 1] = begun, moment
 
 
-@njit(types.void(MESH, MOTION, WORD), **COMPILED)
+@njit(types.void(MESH, MOTION, WORD), **INTERNAL)
 def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
     """Date a new triangle and certify its edges; what was due about it no longer is."""
     motion.begun[triangle] = motion.moment[0]
@@ -356,7 +356,7 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(types.void(MESH, MOTION, WORD, WORD), **COMPILED)
+@njit(types.void(MESH, MOTION, WORD, WORD), **INTERNAL)
 def add_point(mesh, motion, triangle, point):  # type: ignore[no-untyped-def]
     """Join a new point to the triangle that holds it, now; what is due then is up to `advance`.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INLINED, WORD
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
 
 FLOAT, FLOAT_ROWS, INTS = types.float64, types.float64[:, ::1], types.int64[::1]
 
@@ -23,7 +23,7 @@ def _side(corners, a, b, c):  # type: ignore[no-untyped-def]
     return 0 if abs(turn) <= doubt else (1 if turn > 0 else -1)
 
 
-@njit(types.boolean(FLOAT_ROWS, *[WORD] * 4), **COMPILED)
+@njit(types.boolean(FLOAT_ROWS, *[WORD] * 4), **INTERNAL)
 def segments_cross(corners, a, b, c, d):  # type: ignore[no-untyped-def]
     """Whether a → b and c → d cross in the inside of both; touching is not crossing."""
     if (
@@ -45,7 +45,7 @@ def sorted_pair(p, q):  # type: ignore[no-untyped-def]
     return (p, q) if p < q else (q, p)
 
 
-@njit(WORD(FLOAT_ROWS, INTS), **COMPILED)
+@njit(WORD(FLOAT_ROWS, INTS), **INTERNAL)
 def _crossing_in(corners, starts):  # type: ignore[no-untyped-def]
     """A segment of one layer's rings that crosses another, or −1.
 

@@ -18,7 +18,15 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import COMPILED, INLINED, POINT_ROWS, WORD, conflicts, orientation
+from v3dcad.geometry.exact import (
+    COMPILED,
+    INLINED,
+    INTERNAL,
+    POINT_ROWS,
+    WORD,
+    conflicts,
+    orientation,
+)
 from v3dcad.geometry.grid import STEPS
 from v3dcad.model import Ints
 
@@ -234,7 +242,7 @@ def locate(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
         before, triangle = triangle, ahead
 
 
-@njit(WORD(MESH, WORD, WORD), **COMPILED)
+@njit(WORD(MESH, WORD, WORD), **INTERNAL)
 def insert(mesh, point, triangle):  # type: ignore[no-untyped-def]
     """Insert a point, or hide it; returns a triangle nearby. The search starts at `triangle`."""
     points, triangles, stack = mesh.points, mesh.triangles, mesh.stack

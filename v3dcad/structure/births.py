@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INLINED, POINT_ROWS, WORD, conflicts
+from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.grid import HEAVIEST
 from v3dcad.geometry.kinetics import ALWAYS, LAST, MOTION, NOW, add_point
 from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, SENTINELS, TRIANGLES, locate
@@ -18,7 +18,7 @@ from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, SENTINELS, TRIA
 FLOAT, SIDES = types.float64, types.int8[::1]
 
 
-@njit(FLOAT(POINT_ROWS, WORD, WORD, WORD), **COMPILED)
+@njit(FLOAT(POINT_ROWS, WORD, WORD, WORD), **INTERNAL)
 def orthocentre_power(points, a, b, c):  # type: ignore[no-untyped-def]
     """The power of the orthocentre of a triangle, steps²: how large the hole between its sites is.
 
@@ -37,7 +37,7 @@ def orthocentre_power(points, a, b, c):  # type: ignore[no-untyped-def]
     return vx * vx + vy * vy - weight
 
 
-@njit(FLOAT(POINT_ROWS, *[WORD] * 4), **COMPILED)
+@njit(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
 def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
     """The largest weight (steps², but for rounding) at which q has no cell beside a, b, c."""
     x, y, weight = points[a, 0], points[a, 1], points[a, 2]
@@ -50,7 +50,7 @@ def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
     return qx * (qx - 2 * vx) + qy * (qy - 2 * vy) + weight
 
 
-@njit(types.boolean(MESH, types.int64[::1], WORD, WORD, WORD, FLOAT), **COMPILED)
+@njit(types.boolean(MESH, types.int64[::1], WORD, WORD, WORD, FLOAT), **INTERNAL)
 def keeps_distance(mesh, growth, x, y, grows, reach):  # type: ignore[no-untyped-def]
     """Whether a site at (x, y) is at least `reach` from every live site per step of growth apart.
 
@@ -64,7 +64,7 @@ def keeps_distance(mesh, growth, x, y, grows, reach):  # type: ignore[no-untyped
     return True
 
 
-@njit(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **COMPILED)
+@njit(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
 def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
     """Give point q the least weight at which its cell is not empty; False beyond the safe range.
 
@@ -93,7 +93,7 @@ def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
     return abs(high) < HEAVIEST
 
 
-@njit(types.void(types.float64[::1], types.int32[::1], WORD, WORD), **COMPILED)
+@njit(types.void(types.float64[::1], types.int32[::1], WORD, WORD), **INTERNAL)
 def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
     """Let an entry sink in a heap with the largest hole first."""
     while True:
@@ -116,14 +116,15 @@ def ripe(motion, point, gain):  # type: ignore[no-untyped-def]
     return motion.born[point] == ALWAYS or motion.growth[point] * age >= gain
 
 
-@njit(WORD(MESH, MOTION, SIDES, WORD, FLOAT, FLOAT), **COMPILED)
+@njit(WORD(MESH, MOTION, SIDES, WORD, FLOAT, FLOAT), **INTERNAL)
 def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
     Each is at the centroid of a triangle whose vertex lies `inside` (t,) the section. It grows
     as fast as the fastest of the three, one step faster where they are equal, and keeps its
     distance: `reach` grid steps per step of growth. A newborn is no parent before it has gained the
-    weight `gain`, steps²: around its tiny cell the hole still looks as large as before. There must be room for them in points and log.
+    weight `gain`, steps²: around its tiny cell the hole still looks as large as before.
+    There must be room for them in points and log.
     """
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
     time, total = motion.state[NOW], mesh.count[TRIANGLES]

@@ -11,6 +11,7 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
+from v3dcad.geometry.tree import empty_tree
 from v3dcad.geometry.triangulation import POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
 from v3dcad.structure.layers import (
@@ -73,6 +74,7 @@ class Course:
         self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
         self.motion = motion_of(self.mesh, growth, first, last)
+        self._tree = empty_tree(0, 0)
         self.motion.born[SENTINELS:] = sites.born
 
     def sites(self) -> Timed:
@@ -118,18 +120,22 @@ class Course:
         end_all(self.mesh, self.motion)
 
     def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
-        room = len(self.mesh.points)
-        site_of, point_of = np.arange(room) - SENTINELS, np.arange(room) + SENTINELS
+        room, count = len(self.mesh.points), int(self.mesh.count[POINTS])
+        site_of = np.arange(room) - SENTINELS
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
-        point_of[self._curve] = np.arange(len(self._curve)) + SENTINELS
+        places = np.empty((room, 2), np.int64)
+        places[site_of[SENTINELS:count]] = self.mesh.points[SENTINELS:count, :2]
+        if len(self._tree.first) != 3 * len(self.mesh.triangles):
+            self._tree = empty_tree(room, 3 * len(self.mesh.triangles))
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
         reach = self.growth_step / 2 / self.grid.pitch
-        return run(
+        made: Run = run(
             self.mesh,
             self.motion,
+            self._tree,
             site_of,
-            point_of,
+            places,
             rings,
             times,
             float(left),
@@ -138,6 +144,7 @@ class Course:
             reach,
             full_cell,
         )
+        return made
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""

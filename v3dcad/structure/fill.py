@@ -217,5 +217,4 @@ def _growing(places: Ints, mesh: Triangulation, order: Ints) -> NDArray[np.bool_
     ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
     pairs = np.sort(order[ends], axis=1)
-    squared = ((places[pairs[:, 0]] - places[pairs[:, 1]]) ** 2).sum(axis=1)
-    return growing(len(places), spanning_tree(pairs, squared, len(places)))
+    return growing(len(places), spanning_tree(places, pairs))
