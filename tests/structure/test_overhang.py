@@ -11,16 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.geometry.power_diagram import power_diagram
-from v3dcad.model import Floats, Ints, Layer, SiteState
+from v3dcad.model import Floats, Layer
 from v3dcad.structure.overhang import largest_offset, overhang, section_area
 
 SQUARE = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
 HOLE = np.array([[-6.0, -5], [-5, 7], [6, 5], [5, -6]])
-
-
-def neighbours(state: SiteState) -> Ints:
-    return power_diagram(state.sites, state.weights, Section(0.0, (50 * SQUARE,))).neighbours
 
 
 def sampled(layer: Layer, below: Layer) -> Floats:
@@ -42,8 +37,8 @@ def test_no_wall_is_farther_than_the_certificate_says(
 ) -> None:
     sites = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
     sections = [Section(0.2 * k, (SQUARE * scale**k, HOLE * scale**k)) for k in range(5)]
-    layers = list(fill_sections(sections, sites, FillSettings(offset=offset)))
-    certificate = overhang(layers, 0.8, neighbours)
+    layers = list(fill_sections(sections, sites, FillSettings(offset=offset)).layers)
+    certificate = overhang(layers, 0.8)
     for k, (below, layer) in enumerate(pairwise(layers), start=1):
         found = sampled(layer, below)
         assert found.max(initial=0) <= certificate.distance[k] + 1e-9
@@ -55,8 +50,8 @@ def test_tilt_worked_by_hand() -> None:
     """Two sites 4 mm apart, one gains 0.2 mm² in 0.2 mm: the wall moves 1 / 8 of a height."""
     sites = np.array([[-2.0, 0], [2, 0]])
     sections = [Section(0.2 * k, (SQUARE,)) for k in range(3)]
-    layers = list(fill_sections(sections, sites, FillSettings(offset=0.2)))
-    certificate = overhang(layers, 0.8, neighbours)
+    layers = list(fill_sections(sections, sites, FillSettings(offset=0.2)).layers)
+    certificate = overhang(layers, 0.8)
     assert certificate.wall_tilt == pytest.approx(np.degrees(np.arctan(1 / 8)))
     assert certificate.distance[1:] == pytest.approx(0.2 / 8, rel=0.011)
     assert certificate.distance[0] == 0
@@ -69,8 +64,8 @@ def test_walls_farther_than_half_a_bead_are_measured() -> None:
     being near a contour."""
     sites = np.array([[-2.0, 0], [2, 0]])
     sections = [Section(0.2 * k, (SQUARE,)) for k in range(3)]
-    layers = list(fill_sections(sections, sites, FillSettings(offset=20.0)))
-    certificate = overhang(layers, 0.8, neighbours)
+    layers = list(fill_sections(sections, sites, FillSettings(offset=20.0)).layers)
+    certificate = overhang(layers, 0.8)
     assert certificate.distance[1:] == pytest.approx(2.5, rel=0.011)
     assert certificate.unsupported[1:] == pytest.approx(40 - 0.8)
 
@@ -78,8 +73,8 @@ def test_walls_farther_than_half_a_bead_are_measured() -> None:
 def test_walls_beyond_the_section_below_are_told_apart() -> None:
     sites = np.array([[-2.0, 0], [2, 0]])
     sections = [Section(0.0, (SQUARE,)), Section(0.2, (SQUARE * 1.5,))]
-    layers = list(fill_sections(sections, sites, FillSettings(offset=0.0)))
-    certificate = overhang(layers, 0.8, neighbours)
+    layers = list(fill_sections(sections, sites, FillSettings(offset=0.0)).layers)
+    certificate = overhang(layers, 0.8)
     assert certificate.outside.tolist() == pytest.approx([0, 20])
     assert certificate.distance[1] == 0
     assert certificate.unsupported[1] == 0
@@ -89,11 +84,11 @@ def test_walls_beyond_the_section_below_are_told_apart() -> None:
 def test_the_largest_offset_is_the_largest(count: int, seed: int, limit: float) -> None:
     """With it no wall leans more than the limit; the wall that limits it leans just so."""
     sites = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
-    base = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings(offset=1.0))
+    base = fill_sections([Section(0.0, (SQUARE * 40,))], sites, FillSettings(offset=1.0)).layers
     offset = largest_offset(base[0].state.sites, base[0].state.growth > 0, 0.2, limit)
     sections = [Section(0.2 * k, (SQUARE * 40,)) for k in range(4)]
-    layers = fill_sections(sections, sites, FillSettings(offset=offset, layer_height=0.2))
-    tilts = overhang(layers, 0.8, neighbours).wall_tilt
+    layers = fill_sections(sections, sites, FillSettings(offset=offset)).layers
+    tilts = overhang(layers, 0.8).wall_tilt
     assert tilts[0] == pytest.approx(limit)
     assert (tilts <= limit + 1e-9).all()
 

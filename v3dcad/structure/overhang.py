@@ -14,7 +14,9 @@ import numpy as np
 import shapely
 from scipy.spatial import KDTree
 
+from v3dcad.geometry.grid import Grid, curve_order
 from v3dcad.geometry.support import distance_to_walls
+from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
 
 SLACK = 0.01
@@ -22,9 +24,6 @@ SLACK = 0.01
 
 NEGLIGIBLE = 1e-6
 """mm; distances up to this are not told apart."""
-
-Neighbours = Callable[[SiteState], Ints]
-"""Pairs of sites that share a wall anywhere in the plane, (m, 2)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,7 +44,7 @@ class Overhang(Value):
     """(layers,) mm of wall that lie outside the section below: the part's own overhang"""
 
 
-def overhang(layers: Iterable[Layer], bead_width: float, neighbours: Neighbours) -> Overhang:
+def overhang(layers: Iterable[Layer], bead_width: float) -> Overhang:
     """The certificate of a stack of layers (ascending), for beads of a width in mm."""
     rows: list[tuple[float, ...]] = []
     below: Layer | None = None
@@ -54,10 +53,22 @@ def overhang(layers: Iterable[Layer], bead_width: float, neighbours: Neighbours)
         if below is None or not len(below.diagram.edges):
             rest = (0.0, 0.0, 0.0)
         else:
-            rest = _rests(layer, below, neighbours(below.state), bead_width / 2)
+            rest = _rests(layer, below, all_neighbours(below.state), bead_width / 2)
         rows.append((*tilts, *rest))
         below = layer
     return Overhang(*np.array(rows, dtype=np.float64).reshape(-1, 5).T)
+
+
+def all_neighbours(state: SiteState) -> Ints:
+    """(m, 2) pairs of sites, i < j, that share a wall anywhere in the plane."""
+    grid = Grid.around(state.sites.min(axis=0), state.sites.max(axis=0))
+    places = grid.snap(state.sites)
+    order = curve_order(places)
+    mesh = triangulation(places[order], grid.snap_weights(state.weights[order]))
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
+    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
+    return np.asarray(np.sort(order[ends], axis=1))
 
 
 def _degrees(slopes: Floats) -> float:
