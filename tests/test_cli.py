@@ -177,7 +177,7 @@ def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
 
     child = subprocess.Popen(
         [sys.executable, "-c", "from v3dcad.cli import main; main()", "fill",
-         str(samples / "bracket.step"), "--out", str(tmp_path / "out"), "--layer-height", "0.02"],
+         str(samples / "pyramid.stl"), "--out", str(tmp_path / "out"), "--layer-height", "0.01"],
         stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=samples.parent,
     )  # fmt: skip
     out = tmp_path / "out"
