@@ -41,7 +41,10 @@ def move_seconds(
     """
     seconds = np.empty(len(steps))
     _plan(
-        *(np.array(column, dtype=np.float64) for column in (steps, length, still, speed)),
+        np.array(steps, dtype=np.float64),
+        np.array(length, dtype=np.float64),
+        np.array(still, dtype=np.float64),
+        np.array(speed, dtype=np.float64),
         float(settings.acceleration),
         settings.corner_speed**2 * (math.sqrt(2) - 1),
         seconds,
