@@ -23,6 +23,7 @@ class Declared:
 
     help: str
     unit: str = ""
+    metavar: str | None = None
     above: float = -math.inf
     least: float = -math.inf
     most: float = math.inf
@@ -234,7 +235,7 @@ class PrintSettings(Checked):
         choices=("absolute", "relative"),
     )
     arcs: bool = setting(False, "Write perimeters that are circular arcs as G2 and G3.")
-    bed: str = setting("220x220", "Width and depth of the bed, as WIDTHxDEPTH in mm.")
+    bed: str = setting("220x220", "Width and depth of the bed.", unit="mm", metavar="WIDTHxDEPTH")
     build_height: float = setting(250.0, "Height that the printer can build.", unit="mm", above=0)
     bed_origin: str = setting(
         "corner", "Where the printer's x and y are 0.", choices=("corner", "centre")

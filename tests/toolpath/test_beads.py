@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
+from diagrams import area_of, disc, layer, scattered, square, stack
 
-from tests.diagrams import area_of, disc, layer, scattered, square, stack
 from v3dcad.errors import GeometryError
 from v3dcad.model import (
     BRIM,

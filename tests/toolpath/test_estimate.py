@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from diagrams import stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.diagrams import stack
 from v3dcad.geometry.motion import move_seconds
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 import shapely
+from diagrams import area_of, disc, layer, scattered, square
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.diagrams import area_of, disc, layer, scattered, square
 from v3dcad.model import CELLS, PERIMETER, Section
 from v3dcad.toolpath.graph import (
     PathGraph,

@@ -4,10 +4,10 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from diagrams import disc, layer, scattered, square
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.diagrams import disc, layer, scattered, square
 from v3dcad.model import CELLS, Floats, Ints
 from v3dcad.toolpath.euler import EvenGraph
 from v3dcad.toolpath.graph import PathGraph, diagram_graph, loops_graph

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+from diagrams import disc, square
 
-from tests.diagrams import disc, square
 from v3dcad.model import Floats, Section
 from v3dcad.toolpath.perimeters import region
 from v3dcad.toolpath.travel import Traveller

@@ -23,6 +23,9 @@ def power_diagram(sites: Floats, weights: Floats, section: Section) -> Diagram:
     The distance of a point to a site is d² − w. The diagram is the lower hull of the sites
     lifted to x² + y² − w (Aurenhammer, "Power diagrams", SIAM J. Comput. 1987).
     """
+    if not section.rings:
+        pairs = np.empty((0, 2), dtype=np.int64)
+        return Diagram(np.empty((0, 2)), pairs, pairs, pairs)
     area = section_area(section)
     shapely.prepare(area)
     rings = shapely.boundary(area)

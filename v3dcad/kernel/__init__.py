@@ -7,7 +7,7 @@
 from v3dcad.errors import MissingKernelError
 
 try:
-    import OCP.gp  # noqa: F401 (only whether it can be imported is asked)
+    from OCP.Message import Message
 except ImportError as error:
     if "libGL" in str(error):
         raise MissingKernelError(
@@ -18,3 +18,6 @@ except ImportError as error:
         f"the geometry kernel OCP cannot be imported ({error}): "
         "run `pip install 'cadquery-ocp-novtk>=7.9,<8'`, then try again"
     ) from error
+
+# OCCT's own remarks stay off the user's terminal; what matters is raised as an error.
+Message.DefaultMessenger_s().ChangePrinters().Clear()

@@ -8,7 +8,6 @@ from OCP.BinTools import BinTools
 from OCP.BRep import BRep_Builder
 from OCP.BRepTools import BRepTools
 from OCP.IFSelect import IFSelect_RetDone
-from OCP.Message import Message
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TopoDS import TopoDS_Shape
 
@@ -28,7 +27,6 @@ def load_step(path: Path) -> SolidPart:
                 "not a STEP file (it does not begin with ISO-10303-21); export it again",
                 path=str(path),
             )
-    _silence()
     reader = STEPControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.TransferRoots():
         raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
@@ -40,7 +38,6 @@ def load_brep(path: Path) -> SolidPart:
     with path.open("rb") as file:
         head = file.read(512)
     shape = TopoDS_Shape()
-    _silence()
     if b"Open CASCADE Topology" in head:
         BinTools.Read_s(shape, str(path))
     elif b"CASCADE Topology" in head or head.startswith(b"DBRep_DrawableShape"):
@@ -48,8 +45,3 @@ def load_brep(path: Path) -> SolidPart:
     if shape.IsNull():
         raise FormatError("OCCT cannot read this as BREP; export it again", path=str(path))
     return solid_part(shape, path.stem, str(path))
-
-
-def _silence() -> None:
-    """Keep OCCT's own remarks off the user's terminal; what matters is raised as an error."""
-    Message.DefaultMessenger_s().ChangePrinters().Clear()

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from OCP.BRep import BRep_Tool
+from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
@@ -32,6 +34,16 @@ class SolidPart:
     findings: tuple[str, ...] = ()
     """what the user should know of how the file was read"""
 
+    def contents(self) -> dict[str, str]:
+        """What it is made of, as lines to show."""
+        properties = GProp_GProps()
+        BRepGProp.VolumeProperties_s(self.shape, properties)
+        return {
+            "solids": f"{sum(1 for _ in subshapes(self.shape, SOLID))}",
+            "faces": f"{sum(1 for _ in subshapes(self.shape, FACE))}",
+            "volume": f"{properties.Mass():.6g} mm³",
+        }
+
     def placed(self, placement: Placement) -> SolidPart:
         """The same solids, moved."""
         shape = self.shape.Moved(location(placement))
@@ -39,7 +51,9 @@ class SolidPart:
 
     def sections(self, heights: Floats) -> Sequence[Section]:
         """Sections of the exact surfaces at each height (mm)."""
-        return [section(self.shape, float(z), at_base=z <= self.bounds[0, 2]) for z in heights]
+        return [
+            section(self.shape, float(z), at_base=z < self.bounds[0, 2] + 1e-6) for z in heights
+        ]
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""

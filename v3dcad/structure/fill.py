@@ -52,12 +52,15 @@ class Layers(Sequence[Layer]):
 def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Layers:
     """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
 
-    On layer 0 all weights are 0; sites on odd levels of its spanning tree gain
-    `settings.offset` mm² of weight a layer, linear in height. Raises `GeometryError` for
-    a site that is not finite.
+    At the base all weights are 0; sites on odd levels of the spanning tree of their Voronoi
+    diagram gain `settings.offset` mm² of weight a layer, linear in height. Raises
+    `GeometryError` for a site that is not finite.
     """
     for site in np.nonzero(~np.isfinite(sites).all(axis=1))[0]:
         raise GeometryError("its coordinates are not finite numbers", site=int(site))
-    still = Layers(sections, sites, np.zeros(len(sites)))
-    grows = growing(len(sites), still[0].tree)
+    # The spanning tree lies within the sites' hull, so a rectangle around them holds all of it.
+    low, high = sites.min(axis=0) - 1.0, sites.max(axis=0) + 1.0
+    around = Section(0.0, (np.array([low, [high[0], low[1]], high, [low[0], high[1]]]),))
+    whole = power_diagram(sites, np.zeros(len(sites)), around)
+    grows = growing(len(sites), spanning_tree(sites, whole.neighbours))
     return Layers(sections, sites, np.where(grows, settings.offset / settings.layer_height, 0.0))
