@@ -92,4 +92,5 @@ def _with_extrusion(line: str, value: float) -> str | None:
     match = WORDS["E"].search(COMMENT.sub("", line))
     if match is None:
         return None
-    return f"{line[: match.start()]}E{value:g}{line[match.end() :]}"
+    # Adding zero makes −0 a plain 0.
+    return f"{line[: match.start()]}E{value + 0.0:g}{line[match.end() :]}"
