@@ -9,6 +9,7 @@ pairs; `tree` is the thesis's order (`tree_route.py`).
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -37,10 +38,9 @@ class Walk(NamedTuple):
 
 
 class Join(NamedTuple):
-    """A minimum T-join of a graph's odd vertices: its edges, the odd pairs, its length in mm."""
+    """A minimum T-join of a graph's odd vertices: its edges and its length in mm."""
 
     edges: Ints
-    pairs: Ints
     length: float
 
 
@@ -68,7 +68,7 @@ def minimum_join(graph: PathGraph) -> Join:
     """
     odd = (graph.degrees() % 2).astype(np.uint8)
     if not odd.any():
-        return Join(np.empty(0, np.int64), np.empty((0, 2), np.int64), 0.0)
+        return Join(np.empty(0, np.int64), 0.0)
     lengths = graph.lengths()
     unit = max(UNIT, float(lengths.max()) / MOST_WEIGHT)
     size = len(graph.edges)
@@ -76,12 +76,39 @@ def minimum_join(graph: PathGraph) -> Join:
         (np.ones(2 * size, np.uint8), graph.edges.ravel(), np.arange(0, 2 * size + 1, 2)),
         shape=(len(graph.vertices), size),
     )
-    matching = Matching.from_check_matrix(
-        ends, weights=np.rint(lengths / unit), merge_strategy="smallest-weight"
-    )
+    # Without weights of 0 the join has no circle, on which `_pairs` relies.
+    weights = np.maximum(np.rint(lengths / unit), 1)
+    matching = Matching.from_check_matrix(ends, weights=weights, merge_strategy="smallest-weight")
     edges = np.nonzero(matching.decode(odd))[0]
-    pairs = np.asarray(matching.decode_to_matched_dets_array(odd), dtype=np.int64)
-    return Join(edges, pairs, float(lengths[edges].sum()))
+    return Join(edges, float(lengths[edges].sum()))
+
+
+def _pairs(graph: PathGraph, join: Join) -> Ints:
+    """(m, 2) the odd vertices at the ends of the paths that the join consists of.
+
+    The join is a forest whose leaves are odd. An odd vertex goes from a leaf on to the next
+    vertex until it meets another: no edge is used by two pairs.
+    """
+    ends = graph.edges[join.edges].tolist()
+    beside: dict[int, set[int]] = defaultdict(set)
+    for start, stop in ends:
+        beside[start].add(stop)
+        beside[stop].add(start)
+    carried = {vertex: vertex for vertex, others in beside.items() if len(others) % 2}
+    leaves = sorted(vertex for vertex, others in beside.items() if len(others) == 1)
+    pairs = []
+    for leaf in leaves:
+        vertex = leaf
+        while len(beside[vertex]) == 1:
+            following = beside[vertex].pop()
+            beside[following].remove(vertex)
+            arriving = carried.pop(vertex)
+            if following in carried:
+                pairs.append((arriving, carried.pop(following)))
+            else:
+                carried[following] = arriving
+            vertex = following
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _closed_strokes(graph: PathGraph, join: Join, here: Floats) -> Iterator[Walk]:
@@ -103,7 +130,7 @@ def _trails(graph: PathGraph, join: Join, here: Floats) -> Iterator[Walk]:
     own length, less the way from where the nozzle is.
     """
     size = len(graph.edges)
-    even = EvenGraph(np.concatenate([graph.edges, join.pairs]), len(graph.vertices))
+    even = EvenGraph(np.concatenate([graph.edges, _pairs(graph, join)]), len(graph.vertices))
     for vertices, steps in _pieces(graph, even, here):
         jumps = np.nonzero(steps >= size)[0]
         if not len(jumps):
