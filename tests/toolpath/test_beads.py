@@ -26,7 +26,8 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import LayerReport, bead_area, trace
+from v3dcad.toolpath.beads import bead_area, trace
+from v3dcad.toolpath.report import LayerReport, findings
 
 ROUTES = ["least-retrace", "trails", "tree"]
 ORDERS = ["together", "before", "after"]
@@ -280,6 +281,19 @@ def test_what_is_too_narrow_is_reported() -> None:
     made = layer(scattered(6, 5, 2), Section(0.0, (corners,)))
     _, (report,) = traced(made)
     assert report.narrow_area == pytest.approx(0.5 * 4, rel=0.05)
+    assert findings([report]) == [
+        "2.00 mm² of 1 layers are too narrow for a bead and stay empty; "
+        "use a narrower bead, or --contour centre"
+    ]
+
+
+def test_joined_edges_are_a_finding() -> None:
+    _, reports = traced(layer(scattered(60, 10, 3), square(10)), minimum_edge=0.5)
+    assert reports[0].joined_edges > 0
+    assert findings(reports) == [
+        f"{reports[0].joined_edges} edges shorter than --minimum-edge were joined "
+        "to their neighbours"
+    ]
 
 
 def test_cells_filled_by_the_bead_are_reported() -> None:
@@ -287,7 +301,11 @@ def test_cells_filled_by_the_bead_are_reported() -> None:
     sites = np.array([[-0.3, 0], [-0.1, 0], [0.1, 0], [0.3, 0]])
     made = layer(sites, square(10))
     assert traced(made, bead_width=0.7)[1][0].narrow_cells == ()
-    assert traced(made, bead_width=0.8)[1][0].narrow_cells == (1, 2)
+    _, reports = traced(made, bead_width=0.8)
+    assert reports[0].narrow_cells == (1, 2)
+    assert findings(reports)[0].startswith(
+        "the bead is wider than twice the gap of cell 1 (layers 0 to 0), cell 2 (layers 0 to 0):"
+    )
 
 
 def test_layers_must_ascend() -> None:

@@ -9,7 +9,7 @@ from diagrams import area_of, disc, layer, scattered, square
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from v3dcad.model import CELLS, PERIMETER, Section
+from v3dcad.model import CELLS, PERIMETER, Floats, Section
 from v3dcad.toolpath.graph import (
     PathGraph,
     diagram_graph,
@@ -46,7 +46,18 @@ def lines(graph: PathGraph, feature: int) -> shapely.Geometry:
 def test_trimmed_edges_are_the_cell_edges_inside(
     count: int, seed: int, depth: float, with_hole: bool
 ) -> None:
-    made = layer(scattered(count, 10, seed), square(10, hole=2.5 if with_hole else 0))
+    check_trimmed(scattered(count, 10, seed), square(10, hole=2.5 if with_hole else 0), depth)
+
+
+@pytest.mark.parametrize("hole", [0.0, 2.5])
+@pytest.mark.parametrize("depth", [0.4, 0.3, 1.0])
+def test_cell_edges_through_the_corners_of_the_perimeter(hole: float, depth: float) -> None:
+    # The edges run along the diagonals.
+    check_trimmed(np.array([[5.0, 0], [0, 5], [-5, 0], [0, -5]]), square(10, hole=hole), depth)
+
+
+def check_trimmed(sites: Floats, section: Section, depth: float) -> None:
+    made = layer(sites, section)
     area = inset(region(made.section), depth)
     graph = trimmed(made.diagram, area, loops(area))
     inner = made.diagram.edges[made.diagram.inner()]

@@ -183,3 +183,10 @@ def test_a_circuit_passes_every_edge_once(graph: PathGraph, start: int) -> None:
     reached = set(vertices.tolist())
     assert all((set(ends) <= reached) == (e in edges) for e, ends in enumerate(doubled.tolist()))
     assert len(even.circuit(start)[1]) == 0
+
+
+@pytest.mark.parametrize("route", ["least-retrace", "trails", "tree"])
+def test_nothing_is_routed_over_nothing(route: str) -> None:
+    graph = loops_graph([], CELLS)
+    assert walks(graph, route, minimum_join(graph), np.zeros(2), NO_TREE) == []
+    assert least_strokes(graph) == 0

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry import arcs
 from v3dcad.model import (
     EXTRUDE,
     NOTHING,
@@ -25,33 +23,12 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.perimeters import region
-from v3dcad.toolpath.plan import Plan, Stroke, narrow_cells
+from v3dcad.toolpath.plan import Plan, Stroke
+from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.travel import Traveller
 
 APPROACH = 5.0
 """mm above the first layer at which the nozzle comes to the part."""
-
-
-@dataclass(frozen=True, slots=True)
-class LayerReport:
-    """How one layer is printed; lengths in mm."""
-
-    layer: int
-    extruded: float
-    retraced: float
-    """passed a second time, along a bead, without extruding"""
-    travelled: float
-    """moved off the beads, in x and y"""
-    strokes: int
-    retractions: int
-    least_retraced: float
-    """the lower bound: no closed strokes over the layer's pieces retrace less"""
-    joined_edges: int
-    """edges left out for being shorter than `minimum_edge`"""
-    narrow_cells: tuple[int, ...]
-    """sites whose cells a bead fills: it is wider than twice their gap"""
-    narrow_area: float
-    """mm² of the section too narrow for a perimeter"""
 
 
 def trace(
@@ -77,7 +54,7 @@ def trace(
             strokes += 1
         toolpath = nozzle.taken(layer.index)
         if report is not None:
-            report(_reported(toolpath, before, strokes, plan))
+            report(layer_report(toolpath, before, strokes, plan))
         yield toolpath
 
 
@@ -208,22 +185,3 @@ def _solid_marked(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[
             yield ready, place < settings.bottom_layers
     for _, layer in waiting:
         yield layer, True
-
-
-def _reported(toolpath: Toolpath, before: Floats, strokes: int, plan: Plan) -> LayerReport:
-    flat = np.vstack([before, toolpath.points])[:, :2]
-    length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
-    extruding = toolpath.kind == EXTRUDE
-    retracing = toolpath.feature == RETRACED
-    return LayerReport(
-        layer=plan.layer.index,
-        extruded=float(length[extruding].sum()),
-        retraced=float(length[retracing].sum()),
-        travelled=float(length[~extruding & ~retracing].sum()),
-        strokes=strokes,
-        retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
-        least_retraced=plan.least_retraced,
-        joined_edges=plan.joined,
-        narrow_cells=tuple(narrow_cells(plan.layer, plan.settings.bead_width).tolist()),
-        narrow_area=plan.narrow_area,
-    )

@@ -18,7 +18,6 @@ from v3dcad.model import (
     SOLID,
     Bytes,
     Floats,
-    Ints,
     Layer,
 )
 from v3dcad.settings import PrintSettings
@@ -144,20 +143,6 @@ def narrow_area(area: shapely.Geometry, depth: float) -> float:
     """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there."""
     missed = float(area.area - inset(inset(area, depth), -depth).area)
     return missed if missed > 1e-6 * area.area else 0.0
-
-
-def narrow_cells(layer: Layer, width: float) -> Ints:
-    """Site ids of the cells whose gap is less than half a bead of this width (mm).
-
-    A cell's gap is taken as 4 · area ÷ perimeter, which for a regular polygon is the diameter
-    of the circle inside it.
-    """
-    count = len(layer.state.sites)
-    areas = layer.diagram.areas(count)
-    lengths, inner = layer.diagram.lengths(), layer.diagram.inner()
-    around = np.bincount(layer.diagram.edge_sites[:, 1], lengths, count)
-    around += np.bincount(layer.diagram.edge_sites[inner, 0], lengths[inner], count)
-    return np.nonzero((around > 0) & (width * around > 8 * areas))[0]
 
 
 def _stroke(graph: PathGraph, walk: Walk, laid: Floats) -> Stroke:

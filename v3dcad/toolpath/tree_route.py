@@ -18,6 +18,8 @@ def tree_walks(graph: PathGraph, here: Floats, tree: Ints) -> Iterator[tuple[Int
     Within a cell the next edge is one at the nozzle, else the nearest not yet passed, to which
     the nozzle travels. Edges of no cell, such as an inset perimeter, come last.
     """
+    if not len(graph.edges):
+        return
     ends: list[list[int]] = graph.edges.tolist()
     at: dict[int, list[int]] = defaultdict(list)
     for edge, vertices in enumerate(ends):

@@ -53,24 +53,29 @@ class Crossings(NamedTuple):
 
 
 def _crossings(edges: Floats, rim: Floats) -> Crossings:
+    """Crossings of edges (e, 2, 2) and the rim's segments (s, 2, 2).
+
+    Two segments cross where each has its ends on different sides of the other. The side of a
+    shared vertex is computed in the same way for both segments that meet there, so a way
+    through a corner of the rim crosses it exactly once.
+    """
     tree = shapely.STRtree(shapely.linestrings(rim))
     edge, segment = tree.query(shapely.linestrings(edges))
-    start, step = edges[edge, 0], edges[edge, 1] - edges[edge, 0]
-    corner, side = rim[segment, 0], rim[segment, 1] - rim[segment, 0]
-    turn = _cross(step, side)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        along_edge = _cross(corner - start, side) / turn
-        along_rim = _cross(corner - start, step) / turn
-    # A segment's end belongs to the next one, so that no crossing is counted twice.
-    met = (turn != 0) & (along_edge >= 0) & (along_edge <= 1)
-    met &= (along_rim >= 0) & (along_rim < 1)
-    along_edge = along_edge[met]
-    points = start[met] + along_edge[:, None] * step[met]
-    return Crossings(edge[met], segment[met], along_edge, along_rim[met], points)
+    start, stop = edges[edge, 0], edges[edge, 1]
+    corner, following = rim[segment, 0], rim[segment, 1]
+    rim_from, rim_to = _side(start, stop, corner), _side(start, stop, following)
+    edge_from, edge_to = _side(corner, following, start), _side(corner, following, stop)
+    met = ((rim_from > 0) != (rim_to > 0)) & ((edge_from > 0) != (edge_to > 0))
+    along_edge = edge_from[met] / (edge_from[met] - edge_to[met])
+    along_rim = rim_from[met] / (rim_from[met] - rim_to[met])
+    points = start[met] + along_edge[:, None] * (stop[met] - start[met])
+    return Crossings(edge[met], segment[met], along_edge, along_rim, points)
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+def _side(start: Floats, stop: Floats, point: Floats) -> Floats:
+    """Positive where a point (n, 2) lies on the left of the line from start to stop."""
+    (x, y), (to_x, to_y) = (point - start).T, (stop - start).T
+    return np.asarray(to_x * y - to_y * x)
 
 
 def _parts(edges: Ints, of: Ints, along: Floats, ids: Ints) -> tuple[Ints, Ints]:
