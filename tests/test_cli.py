@@ -66,7 +66,7 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--sites", 0], "--sites 0: give a number of at least 1"),
         (["--offset", -0.1], "--offset -0.1"),
         (["--bed", "220"], "such as 220x220"),
-        (["--bed", "30x220"], "10.80 mm too large in x"),
+        (["--bed", "30x220"], "10.00 mm too large in x"),
         (["--print-speed", 0], "--print-speed"),
     ],
 )

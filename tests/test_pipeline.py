@@ -108,7 +108,7 @@ def test_gcode_stays_in_the_part_and_lays_every_edge(
     name: str, samples: Path, tmp_path: Path
 ) -> None:
     structure = v3dcad.fill(samples / name, layer_height=2.0)
-    settings = PrintSettings(retraction=1.0)
+    settings = PrintSettings(retraction=1.0, contour="centre", minimum_edge=0.0)
     structure.write_gcode(tmp_path / "a.gcode", settings)
     text = (tmp_path / "a.gcode").read_text()
     moves = read_moves(text)

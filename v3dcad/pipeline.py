@@ -60,7 +60,7 @@ class Structure:
 
     def trace(self, settings: PrintSettings) -> Iterator[Toolpath]:
         """The toolpath of each layer."""
-        from v3dcad.toolpath.trace import trace
+        from v3dcad.toolpath.beads import trace
 
         return trace(self.layers, settings)
 
