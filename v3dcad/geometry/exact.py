@@ -71,7 +71,7 @@ def conflicts(points, a, b, c, d):  # type: ignore[no-untyped-def]
     bx, by = points[b, 0] - x, points[b, 1] - y
     cx, cy = points[c, 0] - x, points[c, 1] - y
     of_a, of_b, of_c = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
-    sign = sign_of_sum(
+    sign: Any = sign_of_sum(  # type: ignore[call-arg]
         ax * ax + ay * ay - points[a, 2] + weight,
         of_a,
         bx * bx + by * by - points[b, 2] + weight,

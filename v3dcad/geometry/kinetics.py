@@ -97,7 +97,7 @@ MOTION = TupleType(
 TIME = types.float64
 
 
-@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INTERNAL)
+@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INLINED)
 def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
     """Where the orthocentre of a triangle is at time 0, and how it moves per unit of time.
 
@@ -110,15 +110,15 @@ def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
         a, b, c = c, a, b
     x, y = points[a, 0], points[a, 1]
     bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
-    double = 2.0 * (bx * cy - by * cx)
+    half = 0.5 / (bx * cy - by * cx)
     still_b = float(bx * bx + by * by - base[b] + base[a])
     still_c = float(cx * cx + cy * cy - base[c] + base[a])
     grown_b, grown_c = growth[a] - growth[b], growth[a] - growth[c]
     return (
-        x + (cy * still_b - by * still_c) / double,
-        y + (bx * still_c - cx * still_b) / double,
-        (cy * grown_b - by * grown_c) / double,
-        (bx * grown_c - cx * grown_b) / double,
+        x + (cy * still_b - by * still_c) * half,
+        y + (bx * still_c - cx * still_b) * half,
+        (cy * grown_b - by * grown_c) * half,
+        (bx * grown_c - cx * grown_b) * half,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,18 +12,20 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
-from v3dcad.geometry.kinetics import ALWAYS, logged_struts
+from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.geometry.tree import spanning_tree
 from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, Triangulation, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, Timed, times_of
-from v3dcad.structure.growth import growing
+from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
 """Most layers that are computed in one go, and"""
-VERTICES_AT_ONCE = 500_000
-"""about how many vertices: what bounds the memory, whatever the number of layers."""
+VERTICES_AT_ONCE = 1 << 16
+"""about how many vertices: few enough to stay in the processor's cache and to be the same memory
+again and again, whatever the number of layers."""
 
 
 def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Filling:
@@ -34,7 +37,8 @@ def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSett
     `settings.insertion` is off). Sites on the same grid point are merged, with a warning.
 
     Raises `GeometryError` for a site or section that cannot be computed with (faulty rings are
-    found when their layer is), `SettingError` for a method that is not there.
+    found when their layer is), `SettingError` for a method that is not there and an offset that
+    lets walls lean more than `settings.max_overhang`.
     """
     if settings.method != "continuous":
         raise SettingError("method", f"--method {settings.method}: not built yet; use continuous")
@@ -84,10 +88,8 @@ class History(Value):
     """All that happened on the way up through the layers, in grid units and whole times."""
 
     sites: Timed
-    struts: Ints
-    """(s, 3) points that share a moving vertex: rows of `sites` + 4; below 4, the far sentinels"""
-    spans: Floats
-    """(s, 2) the times at which each strut begins and ends"""
+    tracks: Tracks
+    """how the vertices moved"""
 
 
 class Layers(Sequence[Layer]):
@@ -118,13 +120,15 @@ class Filling:
         self, sections: Sequence[Section], places: Ints, grid: Grid, settings: FillSettings
     ) -> None:
         self.sections = sections
-        self.settings = settings
         self.grid = grid
-        self.growth_step = settings.offset / settings.layer_height
-        """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         order = curve_order(places)
         still = np.zeros(len(places), np.int64)
         grows = _growing(places, triangulation(places[order], still), order)
+        offset = settled_offset(settings, grid.millimetres(places), grows)
+        self.settings = replace(settings, offset=offset)
+        """the settings, with the offset that "auto" stands for"""
+        self.growth_step = offset / settings.layer_height
+        """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         always = np.full(len(places), ALWAYS)
         self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
         self._heights = np.array([section.z for section in sections], np.float64)
@@ -147,9 +151,7 @@ class Filling:
     @property
     def sites(self) -> Floats:
         """The sites at the start (n, 2), mm, as snapped to the grid."""
-        places = np.empty_like(self._start.places)
-        places[self._start.site_of] = self._start.places
-        return self.grid.millimetres(places)
+        return self.grid.millimetres(self._start.by_site().places)
 
     @property
     def births(self) -> Ints:
@@ -175,6 +177,21 @@ class Filling:
         assert self._history is not None
         return self._history
 
+    @property
+    def walls(self) -> Walls:
+        """The facets between cells, from the first to the last layer, cut by the base rectangle."""
+        sites = self.history.sites.by_site()
+        places, growth = (
+            self.grid.millimetres(sites.places),
+            self.growth_step * sites.growth.astype(np.float64),
+        )
+        return walls(self.history.tracks, places, growth, self.box[[0, 2]])
+
+    @property
+    def strut_axes(self) -> StrutAxes:
+        """The lines where three cells meet, cut like the walls."""
+        return strut_axes(self.history.tracks, self.box[[0, 2]])
+
     def at(self, z: float, section: Section | None = None) -> Diagram:
         """The diagram at any height z, mm, cut by a section's rings or else the base rectangle."""
         rings = (self.box,) if section is None else section.rings
@@ -186,18 +203,22 @@ class Filling:
         heights = np.array([section.z])
         time = times_of(heights, self.growth_step, self.grid)[0]
         alive = int(np.count_nonzero(sites.born <= time))
-        course = Course(self.grid, sites.first(alive), self.growth_step, heights)
+        course = self._course(sites.rows(slice(alive)), heights)
         layer = next(course.run([section], 0, np.inf))
         return replace(layer, index=index)
+
+    def _course(self, sites: Timed, heights: Floats) -> Course:
+        slope = math.tan(math.radians(self.settings.max_overhang))
+        return Course(self.grid, sites, self.growth_step, heights, slope)
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""
         sections, full_cell, index = self.sections, np.inf, 0
         if not sections:
-            nothing = np.empty((0, 3), np.int64)
-            self._history = History(self._start, nothing, np.empty((0, 2)))
+            nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+            self._history = History(self._start, nothing)
             return
-        course = Course(self.grid, self._start, self.growth_step, self._heights)
+        course = self._course(self._start, self._heights)
         while index < len(sections):
             # The first layer by itself: what it has of area per cell is the measure for births.
             vertices = 2 * len(self._start.places) + sum(map(len, sections[index].rings))
@@ -207,8 +228,7 @@ class Filling:
             if index == 0 and self.settings.insertion and self.growth_step > 0:
                 full_cell = layer.area_per_cell or np.inf
             index += some
-        course.finish()
-        self._history = History(course.sites(), *logged_struts(course.motion))
+        self._history = History(course.sites(), course.tracks())
 
 
 def _growing(places: Ints, mesh: Triangulation, order: Ints) -> NDArray[np.bool_]:
