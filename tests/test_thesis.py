@@ -38,8 +38,8 @@ def test_interpolation_from_the_command_line(samples: Path, tmp_path: Path) -> N
     csv = tmp_path / "sites.csv"
     csv.write_text("-5,0\n5,0\n")
     fill = ("fill", samples / "pyramid.stl", "--method", "thesis", "--interpolate")
-    given = ("--sites-file", csv, "--layer-height", 5, "--report", tmp_path / "a.json")
-    done = run(*fill, *given)
+    given = ("--sites-file", csv, "--layer-height", 5, "--offset", 0.5)
+    done = run(*fill, *given, "--report", tmp_path / "a.json")
     assert done.returncode == 0, done.stderr
     report = json.loads((tmp_path / "a.json").read_text())
     assert report["layers"] == 10

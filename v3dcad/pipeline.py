@@ -15,11 +15,11 @@ from v3dcad.files import written_beside
 from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Toolpath
 from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings, PrintSettings
-from v3dcad.structure.fill import fill_sections
-from v3dcad.structure.loft import loft_sections
+from v3dcad.structure.fill import Filling, fill_sections
+from v3dcad.structure.loft import lofted
 from v3dcad.structure.place import layer_heights, on_bed
 from v3dcad.structure.sites import scatter_sites
-from v3dcad.structure.thesis.loop import ThesisLayer
+from v3dcad.structure.thesis.loop import ThesisFilling, ThesisLayer
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,9 +33,14 @@ class Structure:
     """as placed on the bed"""
     placement: Placement
     settings: FillSettings
+    filling: Filling | ThesisFilling
     layers: Sequence[Layer]
-    sites: Floats
-    """(n, 2) mm"""
+    """computed as they are asked for; gone through as often as one likes"""
+
+    @property
+    def sites(self) -> Floats:
+        """(n, 2) mm: the sites at the base, as snapped to the engine's grid."""
+        return self.filling.sites
 
     def recipe(self) -> Recipe:
         """What an `.ont` file needs to make this structure again."""
@@ -57,7 +62,7 @@ class Structure:
 
     def trace(self, settings: PrintSettings) -> Iterator[Toolpath]:
         """The toolpath of each layer."""
-        from v3dcad.toolpath.trace import trace
+        from v3dcad.toolpath.beads import trace
 
         return trace(self.layers, settings)
 
@@ -160,11 +165,12 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
-    if settings.interpolate and settings.method == "thesis":
-        lofted = loft_sections(part.sections(np.unique(heights[[0, -1]])), heights, sites, settings)
-        return Structure(part, placement, settings, lofted, lofted.sites)
-    layers = fill_sections(part.sections(heights), sites, settings)
-    return Structure(part, placement, settings, layers, layers.sites)
+    if settings.method == "thesis" and settings.interpolate:
+        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
+        assert isinstance(ends, ThesisFilling)
+        return Structure(part, placement, settings, ends, lofted(ends, heights))
+    filling = fill_sections(part.sections(heights), sites, settings)
+    return Structure(part, placement, settings, filling, filling.layers)
 
 
 def fill(

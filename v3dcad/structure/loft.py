@@ -12,11 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState
-from v3dcad.settings import FillSettings
 from v3dcad.structure.thesis.cells import corner_signatures, rings
-from v3dcad.structure.thesis.loop import thesis_layers
+from v3dcad.structure.thesis.loop import ThesisFilling
 
 STRAIGHT = 1e-6
 """mm; a ring's point this close to the line of the two beside it makes no corner."""
@@ -31,11 +29,6 @@ class LoftedLayers(Sequence[Layer]):
     """its diagram's vertices and edges in the order of the first one's"""
     heights: Floats
     """(l,) mm, where the layers are"""
-
-    @property
-    def sites(self) -> Floats:
-        """(n, 2) mm."""
-        return self.first.state.sites
 
     def __len__(self) -> int:
         return len(self.heights)
@@ -60,45 +53,43 @@ class LoftedLayers(Sequence[Layer]):
             growth=start.state.growth,
             born_at=start.state.born_at,
         )
-        areas = diagram.areas(len(state.sites))
         return Layer(
             index=index,
             section=Section(z, contours),
             state=state,
             diagram=diagram,
             tree=start.tree,
-            area_per_cell=float(areas.sum()) / max(len(diagram.sites()), 1),
+            area_per_cell=_area_per_cell(diagram, len(state.sites)),
         )
 
 
-def loft_sections(
-    sections: Sequence[Section], heights: Floats, sites: Floats, settings: FillSettings
-) -> LoftedLayers:
-    """Layers at heights (l,), mm, lofted between the first and the last of some sections.
+def lofted(filling: ThesisFilling, heights: Floats) -> LoftedLayers:
+    """Layers at heights (l,), mm, lofted between the first and the last section of a filling.
 
-    On the last one, growing sites (n, 2), mm, weigh offset × number of layers. Raises
-    `GeometryError` where a cell has not the same corners on both (see `matching_vertices`).
-    Points of a ring where it does not turn are no corners.
+    On the last one, growing sites weigh offset × number of layers. Raises `GeometryError` where
+    a cell has not the same corners on both (see `matching_vertices`). Points of a ring where it
+    does not turn are no corners.
     """
-    sections = [_straightened(sections[0]), _straightened(sections[-1])]
-    first = next(thesis_layers(sections[:1], sites, settings, power_diagram))
-    grown = np.where(first.state.growth > 0, settings.offset * len(heights), 0.0)
-    diagram = power_diagram(sites, grown, sections[-1])
-    order = matching_vertices(first.diagram, diagram)
-    last = Layer(
-        index=len(heights) - 1,
-        section=sections[-1],
-        state=SiteState(sites, grown, first.state.growth, first.state.born_at),
-        diagram=Diagram(
-            diagram.vertices[order],
-            first.diagram.edges,
-            first.diagram.edge_sites,
-            first.diagram.neighbours,
-        ),
-        tree=first.tree,
-        area_per_cell=float(diagram.areas(len(sites)).sum()) / max(len(diagram.sites()), 1),
-    )
-    return LoftedLayers(first, last, heights)
+    start, stop = _straightened(filling.sections[0]), _straightened(filling.sections[-1])
+    growth = np.where(filling.grows, filling.offset / filling.settings.layer_height, 0.0)
+    weightless = np.zeros(len(growth))
+    grown = np.where(filling.grows, filling.offset * len(heights), 0.0)
+    below = filling.diagram_of(filling.sites, weightless, start)
+    above = filling.diagram_of(filling.sites, grown, stop)
+    order = matching_vertices(below, above)
+    above = Diagram(above.vertices[order], below.edges, below.edge_sites, below.neighbours)
+    tree = filling.tree_of(filling.sites, below)
+
+    def layer(index: int, section: Section, weights: Floats, diagram: Diagram) -> Layer:
+        state = SiteState(filling.sites, weights, growth, weightless)
+        return Layer(index, section, state, diagram, tree, _area_per_cell(diagram, len(growth)))
+
+    first = layer(0, start, weightless, below)
+    return LoftedLayers(first, layer(len(heights) - 1, stop, grown, above), heights)
+
+
+def _area_per_cell(diagram: Diagram, count: int) -> float:
+    return float(diagram.areas(count).sum()) / max(len(diagram.sites()), 1)
 
 
 def _straightened(section: Section) -> Section:

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from one_diagram import power_diagram
 
-from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.model import Floats, Section
 from v3dcad.structure.thesis.cells import area, is_convex, rings
 from v3dcad.structure.thesis.inset import drawn_in, inset, kept_steps, most_steps, moved

@@ -10,10 +10,11 @@ import pytest
 import shapely
 
 from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.geometry.power_diagram import power_diagram
+from v3dcad.geometry.grid import Grid
 from v3dcad.model import Diagram, Floats
+from v3dcad.structure.single import diagrams_on
 from v3dcad.structure.thesis.cells import area, corner_count, is_convex, rings
-from v3dcad.structure.thesis.loop import ThesisLayer, ThesisLayers
+from v3dcad.structure.thesis.loop import ThesisFilling, ThesisLayer
 
 
 def square(side: float, z: float) -> Section:
@@ -38,9 +39,9 @@ def layers_of(
     sections: list[Section], sites: Floats, *, offset: float, weight_step: float = 0.0
 ) -> list[ThesisLayer]:
     settings = FillSettings(method="thesis", offset=offset, weight_step=weight_step)
-    layers = fill_sections(sections, sites, settings)
-    assert isinstance(layers, ThesisLayers)
-    return list(layers)
+    filling = fill_sections(sections, sites, settings)
+    assert isinstance(filling, ThesisFilling)
+    return list(filling.layers)
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +189,7 @@ def test_a_layer_where_no_cell_qualifies_gets_no_site() -> None:
 
 def test_insertion_can_be_turned_off() -> None:
     settings = FillSettings(method="thesis", offset=1.0, insertion=False)
-    for layer in fill_sections(prism(12), scattered(60, 40, 1), settings):
+    for layer in fill_sections(prism(12), scattered(60, 40, 1), settings).layers:
         assert len(layer.state.sites) == 60
         assert isinstance(layer, ThesisLayer)
         assert not layer.unanswered
@@ -226,8 +227,7 @@ def same(one: ThesisLayer, other: ThesisLayer) -> bool:
 
 def test_layers_can_be_gone_through_again_and_asked_for_singly() -> None:
     settings = FillSettings(method="thesis", offset=1.0)
-    layers = fill_sections(prism(12), scattered(60, 40, 1), settings)
-    assert isinstance(layers, ThesisLayers)
+    layers = fill_sections(prism(12), scattered(60, 40, 1), settings).layers
     first = list(layers)
     assert len(layers) == len(first) == 12
     assert all(same(one, other) for one, other in zip(first, layers, strict=True))
@@ -242,14 +242,24 @@ def test_layers_can_be_gone_through_again_and_asked_for_singly() -> None:
 def test_any_engine_will_do() -> None:
     """The diagrams come from the function given, and from nowhere else."""
     seen: list[int] = []
+    grid = Grid(np.array([-32.0, -32.0]), 64.0)
+    exact = diagrams_on(grid)
 
     def engine(sites: Floats, weights: Floats, section: Section) -> Diagram:
         seen.append(len(sites))
-        return power_diagram(sites, weights, section)
+        return exact(sites, weights, section)
 
     settings = FillSettings(method="thesis", offset=1.0)
-    sites = scattered(60, 40, 1)
-    own = list(ThesisLayers(prism(8), sites, settings, engine))
-    usual = layers_of(prism(8), sites, offset=1.0)
+    places = grid.snap(scattered(60, 40, 1))
+    own = list(ThesisFilling(prism(8), places, grid, settings, engine).layers)
+    usual = ThesisFilling(prism(8), places, grid, settings).layers
     assert all(same(one, other) for one, other in zip(own, usual, strict=True))
     assert max(seen) == 60 + len(own[-1].inserted)
+    assert len(seen) > len(own)
+
+
+def test_offset_auto_is_a_number() -> None:
+    """The largest offset with which no wall leans more than 45°: 2 · distance · layer height."""
+    sites = np.array([[-5.0, 0], [5, 0], [-5, 12], [5, 12]])
+    filling = fill_sections(prism(2), sites, FillSettings(method="thesis"))
+    assert filling.settings.offset == pytest.approx(2 * 10 * 0.2, rel=1e-6)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from one_diagram import power_diagram
 
-from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.model import Floats, Section
 from v3dcad.structure.thesis.cells import corner_count, present
 from v3dcad.structure.thesis.settle import least_weight, settle

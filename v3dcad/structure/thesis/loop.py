@@ -7,16 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.tree import spanning_tree
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
 from v3dcad.settings import FillSettings
-from v3dcad.structure.growth import spanning_tree
+from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.overhang import all_neighbours
+from v3dcad.structure.single import Engine, diagrams_on
 from v3dcad.structure.thesis.cells import present, rings
 from v3dcad.structure.thesis.insert import inserted, shared_vertex
 from v3dcad.structure.thesis.inset import STEP, inset
 from v3dcad.structure.thesis.proximity import cells_on_boundary
 from v3dcad.structure.thesis.settle import settle
-from v3dcad.structure.thesis.state import INITIAL, UNTOUCHED, Engine, State, initial_state
-from v3dcad.structure.thesis.tree import tagged, walked
+from v3dcad.structure.thesis.state import GROWS, INITIAL, STAYS, UNTOUCHED, State, initial_state
+from v3dcad.structure.thesis.tree import walked
 
 EQUAL = 1e-9
 """Areas per cell that differ by less than this share are equal: no rounding calls for a site."""
@@ -60,25 +64,16 @@ class ThesisLayers(Sequence[Layer]):
     for the first asked for after one below it.
     """
 
-    def __init__(
-        self,
-        sections: Sequence[Section],
-        sites: Floats,
-        settings: FillSettings,
-        diagram_of: Engine,
-    ) -> None:
-        self.sections = sections
-        self.sites = sites
-        self.settings = settings
-        self.diagram_of = diagram_of
+    def __init__(self, filling: ThesisFilling) -> None:
+        self._filling = filling
         self._reached: ThesisLayer | None = None
         self._onward: Iterator[ThesisLayer] = iter(())
 
     def __len__(self) -> int:
-        return len(self.sections)
+        return len(self._filling.sections)
 
     def __iter__(self) -> Iterator[ThesisLayer]:
-        return thesis_layers(self.sections, self.sites, self.settings, self.diagram_of)
+        return self._filling.climb()
 
     def __getitem__(self, index: int) -> ThesisLayer:  # type: ignore[override]
         """Layer `index`; negative ones count from the top."""
@@ -93,80 +88,103 @@ class ThesisLayers(Sequence[Layer]):
         return layer
 
 
-def thesis_layers(
-    sections: Sequence[Section], sites: Floats, settings: FillSettings, diagram_of: Engine
-) -> Iterator[ThesisLayer]:
-    """The layers of sections, ascending in z, with sites (n, 2), mm, one after the other.
+class ThesisFilling:
+    """Sections filled by the thesis's method: each layer comes from the one below."""
 
-    Where area per cell lies above that of the first layer, the next layer gets one more site,
-    unless `settings.insertion` is off. Layers without area count for nothing in that.
-    """
-    offset, tolerance = settings.offset, settings.boundary_tolerance
-    state = initial_state(sites)
-    first: ThesisLayer | None = None
-    below: ThesisLayer | None = None
-    for index, section in enumerate(sections):
-        wanted = False
-        place: tuple[int, int] | None = None
-        if index:
-            state = state.grown(offset)
-        if first is not None and below is not None and settings.insertion:
-            wanted = below.area_per_cell > first.area_per_cell * (1 + EQUAL)
-        if wanted and below is not None:
-            before = below.diagram_before_inset
-            touching = cells_on_boundary(before, below.section, len(state.sites), tolerance)
-            place = shared_vertex(state, before, touching)
-            if place is not None:
-                state = inserted(state, before, *place, index, offset)
-        state, diagram = settle(state, section, diagram_of, settings.weight_step or offset)
-        state, after = inset(state, diagram, section, tolerance)
-        weighing = state
-        if not index:
-            tags = tagged(len(sites), _growing_pairs(sites, diagram_of))
-            state = replace(state, tags=tags).grown(offset)
-        layer = _layer(index, sections, settings, replace(weighing, tags=state.tags), diagram)
-        layer = replace(layer, diagram=after, unanswered=wanted and place is None)
-        yield layer
-        below = layer if section.rings else None
-        first = first or below
+    def __init__(
+        self,
+        sections: Sequence[Section],
+        places: Ints,
+        grid: Grid,
+        settings: FillSettings,
+        diagram_of: Engine | None = None,
+    ) -> None:
+        """Sites stand on places (n, 2) of a grid; any function may make the diagrams."""
+        self.sections = sections
+        self.grid = grid
+        self.diagram_of = diagram_of or diagrams_on(grid)
+        self.sites = grid.millimetres(places)
+        """(n, 2) mm: the sites at the start, as snapped to the grid"""
+        nothing = np.zeros(len(places))
+        pairs = all_neighbours(SiteState(self.sites, nothing, nothing, nothing))
+        self.grows = growing(len(places), spanning_tree(places, pairs))
+        """(n,) which of them grow: odd levels of the tree of the whole diagram"""
+        self.offset = settled_offset(settings, self.sites, self.grows)
+        """mm² a layer"""
+        self.settings = replace(settings, offset=self.offset)
+        """the settings, with the offset that "auto" stands for"""
 
+    @property
+    def layers(self) -> ThesisLayers:
+        """The layers, one for each section."""
+        return ThesisLayers(self)
 
-def _growing_pairs(sites: Floats, diagram_of: Engine) -> Ints:
-    """SL of the whole Voronoi diagram of the sites, not cut by a section."""
-    low, high = sites.min(axis=0) - 1.0, sites.max(axis=0) + 1.0
-    around = Section(0.0, (np.array([low, [high[0], low[1]], high, [low[0], high[1]]]),))
-    whole = diagram_of(sites, np.zeros(len(sites)), around)
-    return walked(np.arange(len(sites)), spanning_tree(sites, whole.neighbours), sites)[1]
+    def tree_of(self, sites: Floats, diagram: Diagram) -> Ints:
+        """The minimum spanning tree (m, 2) of a diagram's neighbours, by the sites' distance."""
+        tree = spanning_tree(self.grid.snap(sites), np.array(diagram.neighbours))
+        return np.asarray(tree[np.lexsort(tree.T[::-1])])
 
+    def climb(self) -> Iterator[ThesisLayer]:
+        """The layers from the first to the last, one at a time (Algorithm 1).
 
-def _layer(
-    index: int,
-    sections: Sequence[Section],
-    settings: FillSettings,
-    state: State,
-    diagram: Diagram,
-) -> ThesisLayer:
-    areas = diagram.areas(len(state.sites))
-    cells = int(present(diagram, len(state.sites)).sum())
-    tree = spanning_tree(state.sites, diagram.neighbours)
-    heights = np.array([sections[layer].z for layer in state.born_in.tolist()])
-    return ThesisLayer(
-        index=index,
-        section=sections[index],
-        state=SiteState(
-            sites=state.sites,
-            weights=state.weights,
-            growth=np.multiply(
-                state.tags, settings.offset / settings.layer_height, dtype=np.float64
+        Where area per cell lies above that of the first layer, the next layer gets one more
+        site, unless `settings.insertion` is off. Layers without area count for nothing in that.
+        """
+        tolerance = self.settings.boundary_tolerance
+        step = self.settings.weight_step or self.offset
+        state = initial_state(self.sites)
+        first: ThesisLayer | None = None
+        below: ThesisLayer | None = None
+        for index, section in enumerate(self.sections):
+            state = state.grown(self.offset)
+            wanted = (
+                self.settings.insertion
+                and first is not None
+                and below is not None
+                and below.area_per_cell > first.area_per_cell * (1 + EQUAL)
+            )
+            born = self._with_insertion(state, below, index) if wanted and below else None
+            state, diagram = settle(born or state, section, self.diagram_of, step)
+            state, after = inset(state, diagram, section, tolerance)
+            if not index:
+                state = replace(state, tags=np.where(self.grows, GROWS, STAYS))
+            layer = self._layer(index, state, diagram)
+            layer = replace(layer, diagram=after, unanswered=wanted and born is None)
+            yield layer
+            if not index:
+                # As line 39 has it: once after the first layer's diagram, again on the next.
+                state = state.grown(self.offset)
+            below = layer if section.rings else None
+            first = first or below
+
+    def _with_insertion(self, state: State, below: ThesisLayer, index: int) -> State | None:
+        """The state with one more site for layer `index`; None where no cell qualifies."""
+        diagram, tolerance = below.diagram_before_inset, self.settings.boundary_tolerance
+        touching = cells_on_boundary(diagram, below.section, len(state.sites), tolerance)
+        place = shared_vertex(state, diagram, touching)
+        return place and inserted(state, diagram, *place, index, self.offset)
+
+    def _layer(self, index: int, state: State, diagram: Diagram) -> ThesisLayer:
+        areas = diagram.areas(len(state.sites))
+        cells = int(present(diagram, len(state.sites)).sum())
+        tree = self.tree_of(state.sites, diagram)
+        heights = np.array([self.sections[layer].z for layer in state.born_in.tolist()])
+        speed = self.offset / self.settings.layer_height
+        return ThesisLayer(
+            index=index,
+            section=self.sections[index],
+            state=SiteState(
+                sites=state.sites,
+                weights=state.weights,
+                growth=np.multiply(state.tags, speed, dtype=np.float64),
+                born_at=np.where(state.born_in == INITIAL, 0.0, heights),
             ),
-            born_at=np.where(state.born_in == INITIAL, 0.0, heights),
-        ),
-        diagram=diagram,
-        tree=tree,
-        area_per_cell=float(areas.sum()) / max(cells, 1),
-        diagram_before_inset=diagram,
-        inserted=state.inserted(),
-        cell_order=walked(diagram.sites(), tree, state.sites)[0],
-        inset_distance=np.where(state.inset_steps == UNTOUCHED, 0, state.inset_steps) * STEP,
-        unanswered=False,
-    )
+            diagram=diagram,
+            tree=tree,
+            area_per_cell=float(areas.sum()) / max(cells, 1),
+            diagram_before_inset=diagram,
+            inserted=state.inserted(),
+            cell_order=walked(diagram.sites(), tree, state.sites),
+            inset_distance=np.where(state.inset_steps == UNTOUCHED, 0, state.inset_steps) * STEP,
+            unanswered=False,
+        )

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from v3dcad.model import Diagram, Section
+from v3dcad.structure.single import Engine
 from v3dcad.structure.thesis.cells import corner_count, present
-from v3dcad.structure.thesis.state import SHRINKS, Engine, State
+from v3dcad.structure.thesis.state import SHRINKS, State
 
 
 def settle(

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from v3dcad.model import Diagram, Floats, Ints, Section, Value
-
-Engine = Callable[[Floats, Floats, Section], Diagram]
-"""(sites (n, 2) mm, weights (n,) mm², section) → their power diagram inside the section."""
+from v3dcad.model import Floats, Ints, Value
 
 SHRINKS, STAYS, GROWS = -1, 0, 1
 """The tags of OL: what a site's weight does on entering a layer."""
