@@ -34,9 +34,12 @@ def inset(
     boundary (closer than `tolerance`, mm) stay; the others move to the inset polygon's, and
     with them the corners of the cells around. Cells that are not one convex polygon are left.
     """
+    inserted = state.inserted().tolist()
+    if not inserted:
+        return state, diagram
     vertices = np.array(diagram.vertices)
     fixed = near_boundary(vertices, section, tolerance)
-    for site in state.inserted().tolist():
+    for site in inserted:
         found = rings(diagram, site)
         if len(found) != 1 or not is_convex(vertices[found[0]]):
             continue
