@@ -175,29 +175,29 @@ def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-u
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
     time, total = motion.state[NOW], mesh.count[TRIANGLES]
     holes, places = np.empty(total), np.empty(total, np.int32)
-    length, born, fastest = 0, 0, 0
+    side = int(np.sqrt(mesh.count[POINTS] / 4)) + 1
+    first, listed = np.empty(side * side + 1, np.int32), np.empty(mesh.count[POINTS], np.int32)
+    _list_by_place(mesh, side, first, listed)
+    length, born, before, fastest = 0, 0, mesh.count[POINTS], 0
+    for point in range(SENTINELS, before):
+        fastest = max(fastest, growth[point])
+    farthest = (fastest + 1) * reach
     for triangle in range(total):
         if inside[triangle] != 1 or triangles[triangle, 0] == NOTHING:
             continue
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        fastest = max(fastest, growth[a], growth[b], growth[c])
         if ripe(motion, a, gain) and ripe(motion, b, gain) and ripe(motion, c, gain):
             x, y, grows = newborn_at(points, growth, a, b, c)
             if (
                 is_apart(points, growth, a, x, y, grows, reach)
                 and is_apart(points, growth, b, x, y, grows, reach)
                 and is_apart(points, growth, c, x, y, grows, reach)
+                and keeps_distance(mesh, growth, x, y, grows, reach, farthest, side, first, listed)
             ):
                 holes[length], places[length] = orthocentre_power(points, a, b, c), triangle
                 length += 1
-    if length == 0:
-        return 0
     for at in range(length // 2 - 1, -1, -1):
         _sink(holes, places, at, length)
-    side = int(np.sqrt(mesh.count[POINTS] / 4)) + 1
-    first, listed = np.empty(side * side + 1, np.int32), np.empty(mesh.count[POINTS], np.int32)
-    _list_by_place(mesh, side, first, listed)
-    farthest, before = (fastest + 1) * reach, mesh.count[POINTS]
     while born < wanted and length > 0:
         triangle = places[0]
         length -= 1
@@ -209,8 +209,6 @@ def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-u
         q = mesh.count[POINTS]
         x, y, grows = newborn_at(points, growth, a, b, c)
         if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
-            continue
-        if not keeps_distance(mesh, growth, x, y, grows, reach, farthest, side, first, listed):
             continue
         alone = True
         for other in range(before, q):
