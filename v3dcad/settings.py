@@ -23,6 +23,7 @@ class Declared:
 
     help: str
     unit: str = ""
+    metavar: str | None = None
     above: float = -math.inf
     least: float = -math.inf
     most: float = math.inf
@@ -109,7 +110,11 @@ class PrintSettings(Checked):
     retraction: float = setting(
         0.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
     )
-    bed: str = setting("220x220", "Width and depth of the bed, as WIDTHxDEPTH in mm.")
+    nozzle_temperature: float = setting(
+        200.0, "Temperature of the nozzle.", unit="°C", least=0, most=500
+    )
+    bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
+    bed: str = setting("220x220", "Width and depth of the bed.", unit="mm", metavar="WIDTHxDEPTH")
 
     def bed_size(self) -> tuple[float, float]:
         """Width and depth of the bed (mm); `SettingError` where `bed` is not WIDTHxDEPTH."""
