@@ -20,7 +20,7 @@ from v3dcad.geometry.splines import basis, span_of, wrapped
 LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
     """Point and tangent of a curve at parameter t: x, y, z, dx, dy, dz."""
     kind = int(heap[place])
@@ -45,7 +45,7 @@ def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
     degree, count = int(heap[place + 1]), int(heap[place + 2])
     knots = place + 4

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     """The i with knot i ≤ t < knot i + 1, of a clamped knot vector of `count` knots at `knots`.
 
@@ -28,7 +28,7 @@ def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     return low
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
     """Values and slopes (degree + 1,) of the basis functions that do not vanish on a span.
 
@@ -58,7 +58,7 @@ def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
     return values, slopes
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def wrapped(t, first, last, periodic):  # type: ignore[no-untyped-def]
     """The parameter t within first … last, where the curve is periodic."""
     if periodic and (t < first or t > last):

@@ -37,7 +37,7 @@ from v3dcad.geometry.splines import basis, span_of, wrapped
 ) = range(9)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """Point and tangents of a surface at (u, v), as an array (3, 3): S, ∂S/∂u, ∂S/∂v."""
     if int(heap[place]) == OFFSET:
@@ -45,7 +45,7 @@ def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return _plain_at(heap, place, u, v)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     kind = int(heap[place])
     if kind == SPLINE_SURFACE:
@@ -108,7 +108,7 @@ def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
     v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
@@ -144,7 +144,7 @@ def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """The point is exact; the tangents, which only steer Newton steps, are differences."""
     step = 1e-6
@@ -156,7 +156,7 @@ def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
     base = _plain_at(heap, int(heap[place + 2]), u, v)
     normal = np.cross(base[1], base[2])
