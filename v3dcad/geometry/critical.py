@@ -36,7 +36,7 @@ def _search(heap, surfaces, corners, first):  # type: ignore[no-untyped-def]
         begin, end = first[face], first[face + 1]
         if kind <= CONE or begin == end:
             continue
-        if kind == SPHERE or kind == TORUS:
+        if kind in (SPHERE, TORUS):
             for point in _of_quadric(heap, place):
                 best, owner, best_u, best_v = -0.2, -1, 0.0, 0.0
                 for triangle in range(begin, end):

@@ -14,22 +14,17 @@ and nothing is missed however thin.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from heapq import heappop, heappush
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
-from v3dcad.errors import GeometryError
 from v3dcad.geometry.curves import LINE, curve_at
 from v3dcad.geometry.surfaces import PLANE, surface_at
 from v3dcad.model import Floats, Ints, Value
 
 NEGLIGIBLE = 1e-10
 """mm: a turn of an edge that rises less than this above its ends is not one."""
-
-MOST_SPLITS = 200
-"""Splits per edge that the mesh had: a bound for surfaces that ripple without end."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,188 +53,6 @@ class SurfaceMesh(Value):
     """(e,) place of its curve in the heap, if it lies on an edge of the B-rep, else −1"""
     edge_spans: Floats
     """(e, 4) the curve's parameters at both nodes, or u, v at the first and u, v at the second"""
-
-
-def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMesh:
-    """The mesh with new nodes at parameters (k, 2) in its triangles (k,), and all edges monotone.
-
-    `GeometryError` where a face ripples so much that this does not end.
-    """
-    refiner = _Refiner(mesh)
-    for triangle, (u, v) in zip(triangles.tolist(), parameters.tolist(), strict=True):
-        refiner.insert(triangle, u, v)
-    turns = turning_points(
-        mesh.heap, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
-    )
-    for edge in np.flatnonzero(turns[:, 1] > 0).tolist():
-        refiner.await_split(edge, *turns[edge].tolist())
-    if not refiner.waiting:
-        return mesh
-    limit = MOST_SPLITS * len(mesh.edge_nodes)
-    while refiner.waiting:
-        # The highest turn first: a crest is traced from edge to edge before what lies beside it.
-        _, edge, share = heappop(refiner.waiting)
-        refiner.split(edge, share)
-        if len(refiner.edge_nodes) > limit:
-            raise GeometryError(
-                "a face of the part ripples too finely to be sliced: simplify the surface"
-            )
-    return refiner.result()
-
-
-class _Refiner:
-    """The mesh as lists, while it is being refined."""
-
-    def __init__(self, mesh: SurfaceMesh) -> None:
-        self.mesh = mesh
-        self.nodes = mesh.nodes.tolist()
-        self.triangles = mesh.triangles.tolist()
-        self.corners = mesh.corners.tolist()
-        self.faces = mesh.faces.tolist()
-        self.sides = mesh.sides.tolist()
-        self.edge_nodes = mesh.edge_nodes.tolist()
-        self.edge_faces = mesh.edge_faces.tolist()
-        self.edge_curves = mesh.edge_curves.tolist()
-        self.edge_spans = mesh.edge_spans.tolist()
-        self.waiting: list[tuple[float, int, float]] = []
-        self.pieces: dict[int, list[int]] = {}
-        self.owners: list[list[int]] = [[] for _ in self.edge_nodes]
-        for triangle, sides in enumerate(self.sides):
-            for edge in sides:
-                if edge >= 0:
-                    self.owners[edge].append(triangle)
-
-    def result(self) -> SurfaceMesh:
-        return replace(
-            self.mesh,
-            nodes=np.array(self.nodes),
-            triangles=np.array(self.triangles),
-            corners=np.array(self.corners),
-            faces=np.array(self.faces),
-            sides=np.array(self.sides),
-            edge_nodes=np.array(self.edge_nodes),
-            edge_faces=np.array(self.edge_faces),
-            edge_curves=np.array(self.edge_curves),
-            edge_spans=np.array(self.edge_spans),
-        )
-
-    def insert(self, triangle: int, u: float, v: float) -> None:
-        """A new node inside a triangle, which becomes three; those may be divided again."""
-        pieces = self.pieces.setdefault(triangle, [triangle])
-        triangle = max(pieces, key=lambda piece: depth(np.array(self.corners[piece]), u, v))
-        face, sides = self.faces[triangle], self.sides[triangle]
-        nodes, corners = self.triangles[triangle], self.corners[triangle]
-        node = self._node(surface_at(self.mesh.heap, self.mesh.surfaces[face], u, v)[0])
-        spokes = [self._edge(node, nodes[k], face, [u, v, *corners[k]]) for k in range(3)]
-        for k, child in enumerate([triangle, self._triangle(face), self._triangle(face)]):
-            after = (k + 1) % 3
-            self._disown(sides[k], triangle)
-            self.triangles[child] = [node, nodes[k], nodes[after]]
-            self.corners[child] = [[u, v], corners[k], corners[after]]
-            self.sides[child] = [spokes[k], sides[k], spokes[after]]
-            for side in self.sides[child]:
-                self._own(side, child)
-            if k:
-                pieces.append(child)
-
-    def split(self, edge: int, share: float) -> None:
-        """Cut an edge, and the triangles beside it, at a share of the way along it."""
-        mesh = self.mesh
-        face, curve = self.edge_faces[edge], self.edge_curves[edge]
-        first, last = self.edge_nodes[edge]
-        span = self.edge_spans[edge]
-        if curve >= 0:
-            cut = [span[0] + share * (span[1] - span[0])]
-            node = self._node(np.array(curve_at(mesh.heap, curve, cut[0])[:3]))
-            before, after = [span[0], cut[0], 0.0, 0.0], [cut[0], span[1], 0.0, 0.0]
-        else:
-            cut = [span[k] + share * (span[k + 2] - span[k]) for k in range(2)]
-            node = self._node(surface_at(mesh.heap, mesh.surfaces[face], *cut)[0])
-            before, after = [*span[:2], *cut], [*cut, *span[2:]]
-        self.edge_nodes[edge] = [first, node]
-        self.edge_spans[edge] = before
-        self._look(edge)
-        rest = self._edge(node, last, face, after, curve)
-        for triangle in self.owners[edge].copy():
-            self._bisect(triangle, edge, rest, node, first, share, on_curve=curve >= 0)
-
-    def _bisect(
-        self,
-        triangle: int,
-        edge: int,
-        rest: int,
-        node: int,
-        first: int,
-        share: float,
-        on_curve: bool,
-    ) -> None:
-        """Cut a triangle from the new node on its side to the opposite corner."""
-        mesh, face = self.mesh, self.faces[triangle]
-        k = self.sides[triangle].index(edge)
-        order = (k, (k + 1) % 3, (k + 2) % 3)
-        a, b, c = (self.triangles[triangle][j] for j in order)
-        at_a, at_b, at_c = (self.corners[triangle][j] for j in order)
-        _, side_bc, side_ca = (self.sides[triangle][j] for j in order)
-        forward = a == first
-        portion = share if forward else 1 - share
-        u, v = (at_a[j] + portion * (at_b[j] - at_a[j]) for j in range(2))
-        if on_curve:
-            point = np.array(self.nodes[node])
-            u, v = project(mesh.heap, mesh.surfaces[face], point, u, v)
-        beyond = self._triangle(face)
-        middle = self._edge(node, c, face, [u, v, *at_c])
-        near, far = (edge, rest) if forward else (rest, edge)
-        self.triangles[triangle], self.triangles[beyond] = [a, node, c], [node, b, c]
-        self.corners[triangle] = [at_a, [u, v], at_c]
-        self.corners[beyond] = [[u, v], at_b, at_c]
-        self.sides[triangle], self.sides[beyond] = [near, middle, side_ca], [far, side_bc, middle]
-        self._disown(edge, triangle)
-        self._disown(side_bc, triangle)
-        self._own(near, triangle)
-        self._own(middle, triangle)
-        for side in (far, side_bc, middle):
-            self._own(side, beyond)
-
-    def _node(self, point: Floats) -> int:
-        self.nodes.append([float(x) for x in point])
-        return len(self.nodes) - 1
-
-    def _triangle(self, face: int) -> int:
-        self.triangles.append([0, 0, 0])
-        self.corners.append([[0.0, 0.0]] * 3)
-        self.sides.append([-1, -1, -1])
-        self.faces.append(face)
-        return len(self.faces) - 1
-
-    def _edge(self, first: int, last: int, face: int, span: list[float], curve: int = -1) -> int:
-        self.edge_nodes.append([first, last])
-        self.edge_faces.append(face)
-        self.edge_curves.append(curve)
-        self.edge_spans.append(span)
-        self.owners.append([])
-        self._look(len(self.edge_nodes) - 1)
-        return len(self.edge_nodes) - 1
-
-    def _look(self, edge: int) -> None:
-        """Have an edge split if it is not monotone."""
-        place = self.mesh.surfaces[self.edge_faces[edge]]
-        share, rise = turning_point(
-            self.mesh.heap, place, self.edge_curves[edge], np.array(self.edge_spans[edge])
-        )
-        if rise > 0:
-            self.await_split(edge, share, rise)
-
-    def await_split(self, edge: int, share: float, rise: float) -> None:
-        """Have an edge split, which turns at a share of its way and rises there."""
-        heappush(self.waiting, (-rise, edge, share))
-
-    def _own(self, edge: int, triangle: int) -> None:
-        if edge >= 0:
-            self.owners[edge].append(triangle)
-
-    def _disown(self, edge: int, triangle: int) -> None:
-        if edge >= 0:
-            self.owners[edge].remove(triangle)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -19,7 +19,7 @@ from v3dcad.geometry.curves import LINE
 from v3dcad.geometry.mesh_section import SNAP, MeshEdges, cross_planes, is_thin
 from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
 from v3dcad.geometry.surfaces import PLANE, surface_at
-from v3dcad.model import Floats, Mesh, Run, Section
+from v3dcad.model import Floats, Ints, Mesh, Run, Section
 
 CHORD_TOLERANCE = 0.005
 """mm: how far a ring's chords may lie from the true section."""
@@ -82,7 +82,7 @@ def section_surface(
 
 
 def _sections(
-    heights: Floats, planes: Floats, points: Floats, starts: Floats, runs: Floats, numbers: Floats
+    heights: Floats, planes: Ints, points: Floats, starts: Ints, runs: Ints, numbers: Floats
 ) -> Iterator[Section]:
     """Rings and runs of all planes, plane by plane."""
     rings = list(zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True))
@@ -213,7 +213,7 @@ def _trace(  # type: ignore[no-untyped-def]
                     out = _with_room(out, written, 1)
                     out[written] = points[here]
                     written += 1
-            elif curve == CIRCLE or curve == ELLIPSE:
+            elif curve in (CIRCLE, ELLIPSE):
                 swept = 0.0
                 for j in range(k, stop):
                     one = points[begin + (turn + j) % length]

@@ -8,10 +8,13 @@ inside one face. Nothing is compared by its coordinates.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Tool
+from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepClass import BRepClass_FaceClassifier
 from OCP.BRepLib import BRepLib
@@ -34,13 +37,13 @@ from v3dcad.errors import KernelError
 from v3dcad.geometry.critical import critical_points
 from v3dcad.geometry.curves import curve_at
 from v3dcad.geometry.mesh_section import pair_sides
-from v3dcad.geometry.surface_mesh import SurfaceMesh, refined
+from v3dcad.geometry.surface_mesh import SurfaceMesh
+from v3dcad.geometry.surface_refining import refined
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.kernel.packing import Packer
-from v3dcad.kernel.shapes import bounds
 
 DEFLECTION = 0.002
-"""Sag of the first mesh as a share of the part's size. It only has to be a sound triangulation
+"""Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
 of every face: sections do not become more exact with a finer one."""
 
 ANGLE = 0.5
@@ -56,8 +59,12 @@ def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
     # The caller's shape keeps its own triangulation.
     shape = BRepBuilderAPI_Copy(shape, False, False).Shape()
     BRepLib.BuildCurves3d_s(shape)
-    low, high = bounds(shape)
-    BRepMesh_IncrementalMesh(shape, DEFLECTION * float(np.max(high - low)), False, ANGLE, False)
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box, False)
+    if box.IsVoid():
+        raise KernelError("the part has no face to be sectioned")
+    sag = DEFLECTION * box.CornerMin().Distance(box.CornerMax())
+    BRepMesh_IncrementalMesh(shape, sag, False, ANGLE, False)
     collector = _Collector()
     for solid in _subshapes(shape, TopAbs_SOLID):
         collector.add_solid(solid)
@@ -118,7 +125,8 @@ class _Collector:
         facets = BRep_Tool.Triangulation_s(face, place)
         if facets is None:
             raise KernelError(
-                f"face {len(self.faces) + 1} cannot be triangulated: heal the part where it was made"
+                f"face {len(self.faces) + 1} cannot be triangulated: "
+                "heal the part where it was made"
             )
         first = len(self.corner_uv) - 1
         count = facets.NbNodes()
@@ -165,9 +173,7 @@ class _Collector:
             curve = self.packer.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0))
             shares = [polygon.Parameter(i) for i in range(1, count + 1)]
             self.nodes += [(np.nan, curve, share) for share in shares[1:-1]]
-            self.stretches += [
-                (curve, start, stop) for start, stop in zip(shares[:-1], shares[1:], strict=True)
-            ]
+            self.stretches += [(curve, start, stop) for start, stop in pairwise(shares)]
         return known
 
     def mesh(self) -> SurfaceMesh:
