@@ -12,6 +12,9 @@ from OCP.TopAbs import TopAbs_VERTEX
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from tests.parts import ring_area
+from v3dcad.geometry.critical import critical_points
+from v3dcad.geometry.surface_mesh import SurfaceMesh
+from v3dcad.geometry.surfaces import surface_at
 from v3dcad.kernel.shapes import EDGE, FACE, bounds, subshapes
 from v3dcad.model import Floats, Section
 
@@ -37,15 +40,19 @@ def exact_area(section: Section) -> float:
     return area
 
 
-def breaks(shape: TopoDS_Shape) -> Floats:
-    """Heights between which the section's area is smooth: of vertices, ends of edges and faces."""
+def breaks(shape: TopoDS_Shape, mesh: SurfaceMesh) -> Floats:
+    """Heights between which the section's area is smooth: of vertices, ends of edges and faces,
+    and saddles.
+    """
     heights = [
         BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertex)).Z() for vertex in subshapes(shape, TopAbs_VERTEX)
     ]
     for kind in (FACE, EDGE):
         for piece in subshapes(shape, kind):
             heights += bounds(piece)[:, 2].tolist()
-    ordered = np.unique(heights)
+    for triangle, (u, v) in zip(*critical_points(mesh), strict=True):
+        heights.append(surface_at(mesh.heap, mesh.surfaces[mesh.faces[triangle]], u, v)[0, 2])
+    ordered = np.unique(np.clip(heights, mesh.nodes[:, 2].min(), mesh.nodes[:, 2].max()))
     return ordered[np.diff(ordered, prepend=-np.inf) > 1e-6]
 
 

@@ -227,7 +227,13 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
             if written > starts[-1]:
                 starts.append(written)
                 planes.append(plane)
-    return points, edges, walked, np.array(starts), np.array(planes[1:], np.int64)
+    return (
+        points[:written],
+        edges[:written],
+        walked[:written],
+        np.array(starts),
+        np.array(planes[1:], np.int64),
+    )
 
 
 @njit(cache=True, nogil=True)

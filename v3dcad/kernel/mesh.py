@@ -37,6 +37,7 @@ from v3dcad.errors import KernelError
 from v3dcad.geometry.critical import critical_points
 from v3dcad.geometry.curves import curve_at
 from v3dcad.geometry.mesh_section import pair_sides
+from v3dcad.geometry.poles import with_meridians
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_refining import refined
 from v3dcad.geometry.surfaces import surface_at
@@ -103,6 +104,7 @@ class _Collector:
         self.corner_uv: list[tuple[float, float]] = []
         self.corner_node: list[int] = []
         self.corner_face: list[int] = []
+        self.poles: list[int] = []
         self.nodes: list[tuple[float, float, float]] = []
         self.stretches: list[tuple[int, float, float]] = []
         self.stretch_ends: list[tuple[int, int, int]] = []
@@ -155,6 +157,7 @@ class _Collector:
             for vertex in (TopExp.FirstVertex_s(edge), TopExp.LastVertex_s(edge))
         ]
         if BRep_Tool.Degenerated_s(edge):
+            self.poles += corners
             for corner in corners:
                 self.corner_node[corner] = ends[0]
             return
@@ -191,9 +194,10 @@ class _Collector:
         for corner in inner:
             place = surfaces[self.corner_face[corner]]
             nodes[node_of[corner]] = surface_at(heap, place, *uv[corner])[0]
-        return _joined(
+        joined = _joined(
             heap, surfaces, nodes, triangles, uv, owner, node_of, self.stretches, self.stretch_ends
         )
+        return with_meridians(joined, np.isin(triangles, self.poles))
 
 
 def _joined(
