@@ -361,13 +361,16 @@ def _between(heap, place, height, one, other, at_one, at_other):  # type: ignore
     u, v = (at_one[0] + at_other[0]) / 2, (at_one[1] + at_other[1]) / 2
     if length == 0.0:
         return False, middle_x, middle_y, u, v
+    settled = False
     for _ in range(12):
         s = surface_at(heap, place, u, v)
         rise = s[0, 2] - height
         along = (s[0, 0] - middle_x) * chord_x + (s[0, 1] - middle_y) * chord_y
-        if abs(rise) < 1e-14 + 4e-16 * abs(height) and abs(along) < 1e-9 * length * length:
+        if settled:
             near = np.hypot(s[0, 0] - middle_x, s[0, 1] - middle_y) < length
             return near, s[0, 0], s[0, 1], u, v
+        # One more step squares an error as small as this: down to rounding.
+        settled = abs(rise) < 1e-9 and abs(along) < 1e-6 * length * length
         u_along = s[1, 0] * chord_x + s[1, 1] * chord_y
         v_along = s[2, 0] * chord_x + s[2, 1] * chord_y
         determinant = s[1, 2] * v_along - s[2, 2] * u_along
