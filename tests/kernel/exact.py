@@ -13,9 +13,9 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from tests.parts import ring_area
 from v3dcad.geometry.critical import critical_points
-from v3dcad.geometry.surface_mesh import SurfaceMesh
+from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
 from v3dcad.geometry.surfaces import surface_at
-from v3dcad.kernel.shapes import EDGE, FACE, bounds, subshapes
+from v3dcad.kernel.shapes import FACE, bounds, subshapes
 from v3dcad.model import Floats, Section
 
 
@@ -41,15 +41,20 @@ def exact_area(section: Section) -> float:
 
 
 def breaks(shape: TopoDS_Shape, mesh: SurfaceMesh) -> Floats:
-    """Heights between which the section's area is smooth: of vertices, ends of edges and faces,
-    and saddles.
+    """Heights between which the section's area is smooth: of vertices, turns of edges, ends of
+    faces, and saddles.
     """
     heights = [
         BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertex)).Z() for vertex in subshapes(shape, TopAbs_VERTEX)
     ]
-    for kind in (FACE, EDGE):
-        for piece in subshapes(shape, kind):
-            heights += bounds(piece)[:, 2].tolist()
+    for face in subshapes(shape, FACE):
+        heights += bounds(face)[:, 2].tolist()
+    for edge in np.flatnonzero(mesh.edge_curves >= 0):
+        place, curve = mesh.surfaces[mesh.edge_faces[edge]], mesh.edge_curves[edge]
+        for end in (0, 1):
+            _, _, z, slope = along_edge(mesh.heap, place, curve, mesh.edge_spans[edge], float(end))
+            if abs(slope) < 1e-5:
+                heights.append(z)
     for triangle, (u, v) in zip(*critical_points(mesh), strict=True):
         heights.append(surface_at(mesh.heap, mesh.surfaces[mesh.faces[triangle]], u, v)[0, 2])
     ordered = np.unique(np.clip(heights, mesh.nodes[:, 2].min(), mesh.nodes[:, 2].max()))

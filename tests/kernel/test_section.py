@@ -260,7 +260,7 @@ def primitive(random):
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=6, deadline=None, derandomize=True)
 def test_random_booleans_have_occts_volume(seed: int):
     random = np.random.default_rng(seed)
     shape = primitive(random)
@@ -274,12 +274,12 @@ def test_random_booleans_have_occts_volume(seed: int):
         assert_whole(section)
     found = integrated(
         breaks(shape, mesh),
-        lambda planes: np.array([exact_area(s) for s in section_solids(mesh, planes, 5e-6)]),
-        32,
+        lambda planes: np.array([exact_area(s) for s in section_solids(mesh, planes, 2e-5)]),
+        16,
     )
     # OCCT's intersection curves are only as good as their stored tolerance.
     loose = max(map(tolerance_of, subshapes(shape, FACE)))
-    assert found == pytest.approx(volume(shape), rel=max(2e-6, loose))
+    assert found == pytest.approx(volume(shape), rel=max(1e-5, loose))
 
 
 @pytest.mark.parametrize("name", ["loft", "tilted torus"])

@@ -21,9 +21,10 @@ def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
 
     Candidates only: a point next to a face's boundary may lie outside it.
     """
-    first = np.searchsorted(mesh.faces, np.arange(len(mesh.surfaces) + 1))
-    triangles, parameters = _search(mesh.heap, mesh.surfaces, mesh.corners, first)
-    return triangles, parameters
+    order = np.argsort(mesh.faces, kind="stable")
+    first = np.searchsorted(mesh.faces[order], np.arange(len(mesh.surfaces) + 1))
+    found, parameters = _search(mesh.heap, mesh.surfaces, mesh.corners[order], first)
+    return order[found], parameters
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

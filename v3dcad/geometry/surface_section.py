@@ -14,11 +14,11 @@ import numpy as np
 from numba import njit
 
 from v3dcad.errors import SettingError
-from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, conic_at
+from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, POINTS, conic_at
 from v3dcad.geometry.curves import LINE
 from v3dcad.geometry.mesh_section import SNAP, MeshEdges, cross_planes, is_thin
 from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
-from v3dcad.geometry.surfaces import PLANE, surface_at
+from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Ints, Mesh, Run, Section
 
 CHORD_TOLERANCE = 0.005
@@ -69,6 +69,7 @@ def section_surface(
             mesh.faces,
             mesh.sides,
             mesh.edge_nodes,
+            mesh.edge_curves,
             points,
             shares,
             crossings.edges,
@@ -134,8 +135,13 @@ def _roots(  # type: ignore[no-untyped-def]
             shares[index] = 1.0
             continue
         share = first_z / (first_z - last_z)
-        straight = heap[curve] == LINE if curve >= 0 else heap[place] == PLANE
-        if not straight:
+        if curve >= 0:
+            done = heap[curve] == LINE
+        else:
+            # Inside a face that is cut in a known curve, points only tell which way it goes.
+            x, y = points[index]
+            done = conic_at(heap, place, height, x, y)[0] != POINTS
+        if not done:
             low, high = 0.0, 1.0
             for _ in range(60):
                 x, y, z, slope = along_edge(heap, place, curve, edge_spans[edge], share)
@@ -166,6 +172,7 @@ def _trace(  # type: ignore[no-untyped-def]
     faces,
     sides,
     edge_nodes,
+    edge_curves,
     points,
     shares,
     edges,
@@ -188,12 +195,14 @@ def _trace(  # type: ignore[no-untyped-def]
     for ring in range(len(starts) - 1):
         begin, length = starts[ring], starts[ring + 1] - starts[ring]
         height = heights[ring]
-        # Begin where the face changes, if it does.
-        turn = 0
+        # Begin where the face changes, or else on an edge of the B-rep, if there is one.
+        turn, alone = 0, True
         for k in range(length):
             if faces[crossed[begin + k]] != faces[crossed[begin + (k - 1) % length]]:
-                turn = k
+                turn, alone = k, False
                 break
+            if alone and edge_curves[edges[begin + k]] >= 0:
+                turn, alone = k, False
         base, first_run = written, made
         k = 0
         while k < length:
@@ -225,7 +234,7 @@ def _trace(  # type: ignore[no-untyped-def]
                 angle = _direction(points[here], a, b, c, d, ratio)
                 out = _with_room(out, written, pieces)
                 for j in range(pieces):
-                    if j == 0:
+                    if j == 0 and not alone:
                         out[written] = points[here]
                     else:
                         cosine = np.cos(angle + swept * j / pieces)
