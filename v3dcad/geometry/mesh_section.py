@@ -26,6 +26,10 @@ from v3dcad.model import Floats, Ints, Mesh, Section
 SNAP = 1e-9
 """mm: a node this close to a plane lies in it; a ring this thin has no area."""
 
+BASE = 1e-6
+"""mm: a plane this close to a part's lowest height is at its base, whose height the placing of
+the part knows no better."""
+
 BATCH = 4_000_000
 """Crossings held at a time: bounds the memory of a tall part with many planes."""
 
@@ -64,7 +68,7 @@ def section_mesh(mesh: Mesh, heights: Floats) -> list[Section]:
     sections = []
     edges = mesh_edges(mesh.triangles)
     first = 0
-    for count, crossings in cross_planes(mesh, edges, heights):
+    for count, crossings in cross_planes(mesh, edges, at_base(heights, mesh.vertices)):
         kept, starts = tidy(crossings.points, crossings.starts)
         points = crossings.points[kept]
         rings: list[list[Floats]] = [[] for _ in range(count)]
@@ -119,8 +123,7 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     Yields how many planes the batch has, and its crossings, whose `planes` count from the
     batch's first. Edges are those of `mesh_edges`. `GeometryError` where heights do not ascend.
     """
-    if np.any(~np.isfinite(heights)) or np.any(np.diff(heights) < 0):
-        raise GeometryError("section heights: give finite heights in ascending order")
+    check_heights(heights)
     z = mesh.vertices[:, 2]
     levels = plane_levels(heights, float(z.min(initial=np.inf)))
     of_corners = z[mesh.triangles]
@@ -151,6 +154,18 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
             ),
         )
         first = stop
+
+
+def at_base(heights: Floats, nodes: Floats) -> Floats:
+    """The heights (k,), those within `BASE` of the lowest node (n, 3) put exactly there."""
+    lowest = nodes[:, 2].min(initial=np.inf)
+    return np.where(np.abs(heights - lowest) < BASE, lowest, heights)
+
+
+def check_heights(heights: Floats) -> None:
+    """Raise `GeometryError` unless heights (k,) are finite and ascend."""
+    if np.any(~np.isfinite(heights)) or np.any(np.diff(heights) < 0):
+        raise GeometryError("section heights: give finite heights in ascending order")
 
 
 def plane_levels(heights: Floats, lowest: float) -> Floats:

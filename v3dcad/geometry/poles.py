@@ -9,6 +9,7 @@ one side shrunk to the pole, cut into two.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,13 @@ def with_meridians(mesh: SurfaceMesh, poles: NDArray[np.bool_]) -> SurfaceMesh:
         return mesh
     triangles, corners, sides = mesh.triangles.copy(), mesh.corners.copy(), mesh.sides.copy()
     spans = mesh.edge_spans.copy()
-    new_triangles, new_corners, new_sides, owner = [], [], [], []
-    new_nodes, new_spans, new_faces = [], [], []
+    new_triangles: list[Any] = []
+    new_corners: list[Any] = []
+    new_sides: list[Any] = []
+    new_nodes: list[Any] = []
+    new_spans: list[Any] = []
+    owner: list[int] = []
+    new_faces: list[int] = []
     for triangle, pole in np.argwhere(poles).tolist():
         after, before = (pole + 1) % 3, (pole + 2) % 3
         at = mesh.corners[triangle]

@@ -9,6 +9,7 @@ followed by points on {z(u, v) = h}, halved until every chord is within the tole
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import Executor
 
 import numpy as np
 from numba import njit
@@ -16,7 +17,14 @@ from numba import njit
 from v3dcad.errors import SettingError
 from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, POINTS, conic_at
 from v3dcad.geometry.curves import LINE
-from v3dcad.geometry.mesh_section import SNAP, MeshEdges, cross_planes, is_thin
+from v3dcad.geometry.mesh_section import (
+    SNAP,
+    MeshEdges,
+    at_base,
+    check_heights,
+    cross_planes,
+    is_thin,
+)
 from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Ints, Mesh, Run, Section
@@ -27,27 +35,49 @@ CHORD_TOLERANCE = 0.005
 MOST_HALVINGS = 10
 """Of the stretch between two mesh edges."""
 
+SHARE = 64
+"""Planes given to an executor at a time."""
+
 CURVES = ("points", "line", "circle", "ellipse")
 
 
 def section_surface(
-    mesh: SurfaceMesh, heights: Floats, chord_tolerance: float = CHORD_TOLERANCE
+    mesh: SurfaceMesh,
+    heights: Floats,
+    chord_tolerance: float = CHORD_TOLERANCE,
+    executor: Executor | None = None,
 ) -> Iterator[Section]:
     """Sections at ascending heights (k,), mm; rings within `chord_tolerance` (mm) of the true ones.
 
     Each is the limit from below, at the part's lowest height from above. Runs say which stretch
-    of a ring lies on which face, and as what exact curve. `SettingError` for a tolerance that is
-    not above 0, `GeometryError` where heights do not ascend.
+    of a ring lies on which face, and as what exact curve. With an executor (of threads, of
+    processes, or a cluster's) several planes are computed at a time; results are the same.
+    `SettingError` for a tolerance that is not above 0, `GeometryError` where heights do not
+    ascend.
     """
     if not 0 < chord_tolerance < np.inf:
         raise SettingError(
             "chord_tolerance",
             f"--chord-tolerance {chord_tolerance}: give a number above 0 mm",
         )
+    check_heights(heights)
+    if executor is None:
+        return _cut(mesh, heights, chord_tolerance)
+    shares = np.split(heights, np.arange(SHARE, len(heights), SHARE))
+    waiting = [executor.submit(_cut_all, mesh, share, chord_tolerance) for share in shares]
+    return (section for share in waiting for section in share.result())
+
+
+def _cut_all(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> list[Section]:
+    return list(_cut(mesh, heights, chord_tolerance))
+
+
+def _cut(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> Iterator[Section]:
     first = 0
+    planes_at = at_base(heights, mesh.nodes)
     coarse = Mesh(mesh.nodes, mesh.triangles)
     edges = MeshEdges(mesh.edge_nodes, mesh.sides)
-    for count, crossings in cross_planes(coarse, edges, heights):
+    for count, crossings in cross_planes(coarse, edges, planes_at):
         planes = np.repeat(crossings.planes, np.diff(crossings.starts))
         points, shares = _roots(
             mesh.heap,
@@ -59,7 +89,7 @@ def section_surface(
             mesh.edge_spans,
             crossings.points,
             crossings.edges,
-            heights[first + planes],
+            planes_at[first + planes],
         )
         traced = _trace(
             mesh.heap,
@@ -75,7 +105,7 @@ def section_surface(
             crossings.edges,
             crossings.triangles,
             crossings.starts,
-            heights[first + crossings.planes],
+            planes_at[first + crossings.planes],
             chord_tolerance,
         )
         yield from _sections(heights[first : first + count], crossings.planes, *traced)

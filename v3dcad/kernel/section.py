@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import Executor
 
-import numpy as np
 from OCP.TopoDS import TopoDS_Shape
 
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_section import CHORD_TOLERANCE, section_surface
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.model import Floats, Section
-
-SHARE = 16
-"""Planes given to an executor at a time."""
 
 
 def section_solids(
@@ -31,14 +27,4 @@ def section_solids(
     `surface_mesh` and `section_surface` do.
     """
     mesh = part if isinstance(part, SurfaceMesh) else surface_mesh(part)
-    if executor is None:
-        yield from section_surface(mesh, heights, chord_tolerance)
-        return
-    shares = np.split(heights, np.arange(SHARE, len(heights), SHARE))
-    waiting = [executor.submit(_sections, mesh, share, chord_tolerance) for share in shares]
-    for share in waiting:
-        yield from share.result()
-
-
-def _sections(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> list[Section]:
-    return list(section_surface(mesh, heights, chord_tolerance))
+    return section_surface(mesh, heights, chord_tolerance, executor)
