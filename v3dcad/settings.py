@@ -28,13 +28,17 @@ class Declared:
     least: float = -math.inf
     most: float = math.inf
     choices: tuple[str, ...] = ()
+    word: str | None = None
+    """a word that a number's place may take"""
 
     def check(self, name: str, value: object) -> None:
         """Raise `SettingError` unless a value is a declared choice, or lies in the range."""
         if self.choices and value not in self.choices:
             raise SettingError(name, f"{option(name)} {value}: give {' or '.join(self.choices)}")
-        if not isinstance(value, (int, float)):
+        if value == self.word or (isinstance(value, str) and self.word is None):
             return
+        if not isinstance(value, (int, float)):
+            raise SettingError(name, f"{option(name)} {value}: give a number or {self.word}")
         unit = f" {self.unit}" if self.unit else ""
         if not math.isfinite(value):
             raise SettingError(name, f"{option(name)} {value}: give a finite number{unit}")
@@ -87,13 +91,31 @@ class FillSettings(Checked):
     """How a part is filled."""
 
     layer_height: float = setting(0.2, "Distance between two layers.", unit="mm", above=0)
-    offset: float = setting(
-        0.2, "Weight that a growing cell gains in each layer.", unit="mm²", least=0
+    offset: float | str = setting(
+        "auto",
+        "Weight that a growing cell gains in each layer; auto takes the largest that "
+        "--max-overhang allows.",
+        unit="mm²",
+        least=0,
+        word="auto",
+    )
+    max_overhang: float = setting(
+        45.0,
+        "Largest tilt of a wall from the vertical; 90 allows any.",
+        unit="°",
+        above=0,
+        most=90,
     )
     sites: int = setting(
         40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=10_000_000
     )
     random_seed: int = setting(0, "Seed of the scatter.", least=0, most=2**63 - 1)
+    insertion: bool = setting(True, "New cells are born where cells have become too large.")
+    method: str = setting(
+        "continuous",
+        "How cells are born: continuous, or as in the thesis.",
+        choices=("continuous", "thesis"),
+    )
 
 
 START = """\

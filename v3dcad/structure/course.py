@@ -1,0 +1,250 @@
+"""A triangulation on its way up through the layers: what surrounds the compiled layer loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
+from v3dcad.geometry.polygon import crossing_segment
+from v3dcad.geometry.tree import empty_tree
+from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
+from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.structure.layers import (
+    LAYERS,
+    NEEDS_ROOM,
+    OPEN_WALK,
+    OVERLAPPING,
+    ROOM,
+    STATUS,
+    Rings,
+    Run,
+    run,
+)
+from v3dcad.structure.walls import Tracks
+
+FAULTS = {
+    OVERLAPPING: "its rings overlap or run the wrong way round: outer ones must run "
+    "counter-clockwise, holes clockwise",
+    OPEN_WALK: "a ring of its section does not close",
+}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Timed(Value):
+    """Sites whose weights are linear in a whole time, in grid units. Rows are the engine's points:
+    sites along a curve first, newborns after them.
+    """
+
+    places: Ints
+    """(n, 2) grid steps"""
+    base: Ints
+    """(n,) steps²: weight at time 0"""
+    growth: Ints
+    """(n,) steps² per unit of time"""
+    born: Ints
+    """(n,) time of birth, or `ALWAYS`"""
+    site_of: Ints
+    """(n,) site numbers"""
+
+    def rows(self, rows: Ints | slice) -> Timed:
+        """Some rows only, or in another order."""
+        columns = (self.places, self.base, self.growth, self.born, self.site_of)
+        return Timed(*(column[rows] for column in columns))
+
+    def by_site(self) -> Timed:
+        """In the order of the sites' numbers."""
+        return self.rows(np.argsort(self.site_of, kind="stable"))
+
+
+class Course:
+    """The engine at work: where it has got to, and with which sites.
+
+    Time is whole: the weight, in grid steps², that a site of growth 1 has at a height; `rate` is
+    what it gains for each mm.
+    """
+
+    def __init__(
+        self, grid: Grid, sites: Timed, growth_step: float, heights: Floats, slope: float
+    ) -> None:
+        """Stand at the first of ascending heights (k,), mm, ready to go to the last.
+
+        Births keep walls from shifting more than `slope` mm per mm of height.
+        """
+        self.slope = slope
+        self.grid = grid
+        self.growth_step = growth_step
+        self.heights = heights
+        self.times = times_of(heights, growth_step, grid)
+        self._curve = sites.site_of
+        first, last = int(self.times[0]), int(self.times[-1])
+        self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
+        growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
+        self.motion = motion_of(self.mesh, growth, first, last)
+        self._tree = empty_tree(0, 0)
+        self.motion.born[SENTINELS:] = sites.born
+
+    def sites(self) -> Timed:
+        """All sites up to now, newborns among them."""
+        count = int(self.mesh.count[POINTS]) - SENTINELS
+        rows = slice(SENTINELS, SENTINELS + count)
+        site_of = np.arange(count)
+        site_of[: len(self._curve)] = self._curve
+        return Timed(
+            self.mesh.points[rows, :2].copy(),
+            self.motion.base[rows].copy(),
+            self.motion.growth[rows].copy(),
+            self.motion.born[rows].copy(),
+            site_of,
+        )
+
+    def run(self, sections: Sequence[Section], index: int, full_cell: float) -> Iterator[Layer]:
+        """The layers of sections whose first has an index among the heights.
+
+        Births are given where the area per cell is above `full_cell`, mm². Raises `GeometryError`
+        for a section that cannot be filled.
+        """
+        rings = rings_of(sections)
+        _refuse_crossings(rings, index)
+        done = 0
+        while done < len(sections):
+            made = self._run_once(_rest(rings, done), index + done, full_cell)
+            fault = int(made.outcome[STATUS])
+            if fault == NEEDS_ROOM:
+                self.mesh, self.motion = with_room(
+                    self.mesh, self.motion, int(made.outcome[ROOM]) + len(self._curve) // 4 + 1
+                )
+            yield from self._layers(made, sections[done:], index + done)
+            done += int(made.outcome[LAYERS])
+            if fault in FAULTS:
+                raise GeometryError(FAULTS[fault], layer=index + done)
+
+    def tracks(self) -> Tracks:
+        """How all vertices have moved since the beginning; to be asked for once, at the end."""
+        triangles = int(self.mesh.count[TRIANGLES])
+        rate = self.growth_step / self.grid.pitch**2
+        if self.times[0] == self.times[-1]:  # nothing has moved
+            corners = self.mesh.triangles[:triangles, :3]
+            corners = corners[corners[:, 0] != NOTHING].astype(np.int64)
+            spans = np.broadcast_to(self.heights[[0, -1]], (len(corners), 2))
+            times = np.full(spans.shape, float(self.times[0]))
+        else:
+            if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
+                self.mesh, self.motion = with_room(self.mesh, self.motion, triangles)
+            end_all(self.mesh, self.motion)
+            count = int(self.motion.state[STRUTS])
+            corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
+            spans = times / rate
+        site_of = np.arange(len(self.mesh.points)) - SENTINELS
+        site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
+        ends = np.stack([self._vertices(corners, times[:, k]) for k in range(2)], axis=1)
+        return Tracks(site_of[corners], spans, ends)
+
+    def _vertices(self, corners: Ints, times: Floats) -> Floats:
+        """The orthocentres (t, 2), mm, of triangles (t, 3) of points at times (t,)."""
+        a, b, c = corners.T
+        places = self.mesh.points[:, :2]
+        base, growth = self.motion.base, self.motion.growth
+        bx, by = (places[b] - places[a]).T
+        cx, cy = (places[c] - places[a]).T
+        of_b = (bx * bx + by * by + base[a] - base[b]) + (growth[a] - growth[b]) * times
+        of_c = (cx * cx + cy * cy + base[a] - base[c]) + (growth[a] - growth[c]) * times
+        double = 2.0 * (bx * cy - by * cx)
+        shift = np.column_stack([cy * of_b - by * of_c, bx * of_c - cx * of_b]) / double[:, None]
+        return self.grid.millimetres(places[a] + shift)
+
+    def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
+        room, count = len(self.mesh.points), int(self.mesh.count[POINTS])
+        site_of = np.arange(room) - SENTINELS
+        site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
+        places = np.empty((room, 2), np.int64)
+        places[site_of[SENTINELS:count]] = self.mesh.points[SENTINELS:count, :2]
+        if len(self._tree.first) != 3 * len(self.mesh.triangles):
+            self._tree = empty_tree(room, 3 * len(self.mesh.triangles))
+        left, low = self.grid.origin
+        times = self.times[index : index + len(rings.layers) - 1]
+        reach = self.growth_step / (2 * self.slope) / self.grid.pitch
+        made: Run = run(
+            self.mesh,
+            self.motion,
+            self._tree,
+            site_of,
+            places,
+            rings,
+            times,
+            float(left),
+            float(low),
+            self.grid.pitch,
+            reach,
+            full_cell,
+        )
+        return made
+
+    def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
+        """The layers of a run, as views of its arrays."""
+        grid, sites = self.grid, self.sites().by_site()
+        places, speed = (
+            grid.millimetres(sites.places),
+            self.growth_step * sites.growth.astype(np.float64),
+        )
+        layer_of = np.searchsorted(self.times, sites.born)
+        born_at = np.where(sites.born == ALWAYS, 0.0, self.heights[layer_of % len(self.heights)])
+        base, growth = sites.base, sites.growth
+        vertices, graph = made.vertices, -1
+        for layer in range(int(made.outcome[LAYERS])):
+            if made.graphs[layer] != graph:
+                graph = int(made.graphs[layer])
+                edges = _piece(made.edges, made.edge_rows, graph)
+                edge_sites = _piece(made.sites, made.edge_rows, graph)
+                neighbours = _piece(made.neighbours, made.neighbour_rows, graph)
+                tree = _piece(made.tree, made.tree_rows, graph)
+            count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
+            time = self.times[index + layer]
+            weights = (base[:count] + growth[:count] * time) * grid.pitch**2
+            yield Layer(
+                index + layer,
+                sections[layer],
+                SiteState(places[:count], weights, speed[:count], born_at[:count]),
+                Diagram(_piece(vertices, made.vertex_rows, layer), edges, edge_sites, neighbours),
+                tree,
+                float(made.areas[layer]) / max(cells, 1),
+            )
+
+
+def times_of(heights: Floats, growth_step: float, grid: Grid) -> Ints:
+    """The whole times of heights (k,), mm."""
+    return np.rint(heights * (growth_step / grid.pitch**2)).astype(np.int64)
+
+
+def rings_of(sections: Sequence[Section]) -> Rings:
+    """The rings of sections as long arrays."""
+    rings = [ring for section in sections for ring in section.rings]
+    layers = np.cumsum([0, *(len(section.rings) for section in sections)])
+    starts = np.cumsum([0, *map(len, rings)])
+    corners = np.concatenate(rings) if rings else np.empty((0, 2))
+    return Rings(np.ascontiguousarray(corners, np.float64), starts, layers)
+
+
+def _rest(rings: Rings, layers: int) -> Rings:
+    return rings._replace(layers=rings.layers[layers:])
+
+
+def _piece(rows: Any, starts: Ints, part: int) -> Any:
+    return rows[starts[part] : starts[part + 1]]
+
+
+def _refuse_crossings(rings: Rings, index: int) -> None:
+    """Raise `GeometryError` for the first layer whose rings cross."""
+    segment = crossing_segment(rings.corners, rings.starts, rings.layers)
+    if segment >= 0:
+        x, y = rings.corners[segment]
+        layer = int(np.searchsorted(rings.starts[rings.layers], segment, side="right")) - 1
+        raise GeometryError(
+            f"its rings cross themselves or each other near ({x:g}, {y:g}) mm: repair the part",
+            layer=index + layer,
+        )
