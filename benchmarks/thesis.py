@@ -201,8 +201,8 @@ def overhang(cases: Sequence[Recipe]) -> None:
                     case.name,
                     method,
                     f"{case.settings.offset:g}",
-                    str(report["inserted_sites"]),
-                    str(report["layers_without_candidate"]),
+                    str(len(report["births"])),
+                    str(len(report["layers_without_candidate"])),
                     f"{most:.3f}",
                     f"{most_99:.3f}",
                 ]

@@ -23,9 +23,12 @@ MAY_IMPORT = {
     "toolpath": INSIDE | {"toolpath"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
-    "pipeline": INSIDE | RIM | {"files", "parts", "structure", "toolpath"},
+    "report": INSIDE | {"formats", "structure", "toolpath"},
+    "pipeline": INSIDE | RIM | {"files", "parts", "report", "structure", "toolpath"},
     "options": {"settings"},
-    "cli": INSIDE | {"formats", "options", "pipeline"},
+    "commands": INSIDE
+    | {"commands", "files", "formats", "options", "parts", "pipeline", "report", "structure"},
+    "cli": {"commands", "errors"},
     "__init__": INSIDE | {"pipeline", "structure"},
 }
 

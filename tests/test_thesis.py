@@ -24,13 +24,33 @@ def test_every_file_can_be_written_of_it(samples: Path, tmp_path: Path) -> None:
     report = json.loads((tmp_path / "a.report").read_text())
     layers = [layer for layer in structure.layers if isinstance(layer, ThesisLayer)]
     assert report["settings"]["method"] == "thesis"
-    assert report["inserted_sites"] == len(layers[-1].inserted) > 0
-    assert report["layers_without_candidate"] == sum(layer.unanswered for layer in layers) > 0
-    per_layer = [row["inserted_sites"] for row in report["by_layer"]]
-    assert per_layer == [len(layer.inserted) for layer in layers]
+    births = [(row["layer"], row["site"]) for row in report["births"]]
+    assert (
+        [site for _, site in births]
+        == layers[-1].inserted.tolist()
+        == [50 + k for k in range(len(births))]
+    )
+    assert len(births) > 0
+    for layer, site in births:
+        assert site in layers[layer].inserted
+        assert site not in layers[layer - 1].inserted
+    unanswered = [layer.index for layer in layers if layer.unanswered]
+    assert report["layers_without_candidate"] == unanswered
+    assert len(unanswered) > 0
     for row, layer in zip(report["by_layer"], layers, strict=True):
         assert row["area_per_cell_mm2"] == layer.area_per_cell
-        assert row["without_candidate"] == layer.unanswered
+
+
+def test_what_only_the_continuous_method_has_is_refused(samples: Path) -> None:
+    structure = v3dcad.fill(
+        samples / "pyramid.stl", method="thesis", layer_height=10, offset=0.5, sites=9
+    )
+    with pytest.raises(v3dcad.SettingError, match="no walls; take the continuous method"):
+        structure.walls  # noqa: B018
+    with pytest.raises(v3dcad.SettingError, match="no strut axes"):
+        structure.strut_axes  # noqa: B018
+    with pytest.raises(v3dcad.SettingError, match="no diagrams between layers"):
+        structure.at(3.3)
 
 
 def test_interpolation_from_the_command_line(samples: Path, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from v3dcad import FillSettings, Section, fill_sections
@@ -26,13 +26,14 @@ def sampled(layer: Layer, below: Layer) -> Floats:
     lines = shapely.multilinestrings(list(diagram.vertices[diagram.edges]))
     shapely.prepare(lines)
     start, stop = np.moveaxis(layer.diagram.vertices[layer.diagram.edges], 1, 0)
-    t = np.linspace(0, 1, 401)[:, None, None]
+    t = np.linspace(0, 1, 201)[:, None, None]
     points = ((1 - t) * start + t * stop)[:, layer.diagram.inner()].reshape(-1, 2)
     area = section_area(below.section)
     shapely.prepare(area)
     return shapely.distance(lines, shapely.points(points))[shapely.contains_xy(area, points)]
 
 
+@settings(max_examples=12)
 @given(st.integers(6, 40), st.integers(0, 1000), st.floats(0.05, 2), st.floats(0.9, 1.1))
 def test_no_wall_is_farther_than_the_certificate_says(
     count: int, seed: int, offset: float, scale: float
@@ -46,8 +47,8 @@ def test_no_wall_is_farther_than_the_certificate_says(
     for k, (below, layer) in enumerate(pairwise(layers), start=1):
         found = sampled(layer, below)
         assert found.max(initial=0) <= certificate.distance[k] + 1e-9
-        # Samples lie up to 0.15 mm apart, and distance changes by no more than the way.
-        assert certificate.distance[k] <= 1.02 * found.max(initial=0) + 0.075
+        # Samples lie up to 0.3 mm apart, and distance changes by no more than the way.
+        assert certificate.distance[k] <= 1.02 * found.max(initial=0) + 0.15
 
 
 def test_tilt_worked_by_hand() -> None:

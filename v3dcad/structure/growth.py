@@ -29,8 +29,9 @@ def growing(count: int, tree: Ints) -> NDArray[np.bool_]:
         level[root] = 0
         front = np.array([root])
         while len(front):
-            rows = np.concatenate([np.arange(first[site], first[site + 1]) for site in front])
-            reached = ends[rows]
+            degree = first[front + 1] - first[front]
+            offset = np.repeat(first[front] - np.cumsum(degree) + degree, degree)
+            reached = ends[offset + np.arange(len(offset))]
             reached = reached[level[reached[:, 1]] < 0]
             level[reached[:, 1]] = level[reached[:, 0]] + 1
             front = reached[:, 1]

@@ -210,8 +210,8 @@ def run(  # type: ignore[no-untyped-def]
         fresh, born, waited = False, 0, False
         while outcome[STATUS] == DONE:
             count, crossings, at = walk_rings(mesh, stepped, starts, after, begun_in, crossings, at)
-            if count < 0:
-                outcome[STATUS] = OPEN_WALK
+            if count < 0 or areas[layer] < 0:
+                outcome[STATUS] = OPEN_WALK if count < 0 else OVERLAPPING
                 break
             fresh = not (
                 changes == motion.state[CHANGES]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 
+from v3dcad.errors import SettingError
 from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.tree import spanning_tree
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
@@ -88,6 +90,12 @@ class ThesisLayers(Sequence[Layer]):
         return layer
 
 
+def _no_space(what: str) -> SettingError:
+    return SettingError(
+        "method", f"--method thesis: its layers have no {what}; take the continuous method"
+    )
+
+
 class ThesisFilling:
     """Sections filled by the thesis's method: each layer comes from the one below."""
 
@@ -113,11 +121,43 @@ class ThesisFilling:
         """mm² a layer"""
         self.settings = replace(settings, offset=self.offset)
         """the settings, with the offset that "auto" stands for"""
+        self._told: tuple[Ints, Ints] | None = None
 
     @property
     def layers(self) -> ThesisLayers:
         """The layers, one for each section."""
         return ThesisLayers(self)
+
+    @property
+    def births(self) -> Ints:
+        """(b, 2) which layer gave birth to which site; goes through the layers where nobody has."""
+        return self._history()[0]
+
+    @property
+    def unanswered(self) -> Ints:
+        """(u,) the layers that were to get a site, but no cell qualified."""
+        return self._history()[1]
+
+    @property
+    def walls(self) -> NoReturn:
+        """Refused: layers that come one from the other are not slices of walls in space."""
+        raise _no_space("walls")
+
+    @property
+    def strut_axes(self) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("strut axes")
+
+    def at(self, z: float, section: Section | None = None) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("diagrams between layers")
+
+    def _history(self) -> tuple[Ints, Ints]:
+        if self._told is None:
+            for _ in self.climb():
+                pass
+        assert self._told is not None
+        return self._told
 
     def tree_of(self, sites: Floats, diagram: Diagram) -> Ints:
         """The minimum spanning tree (m, 2) of a diagram's neighbours, by the sites' distance."""
@@ -135,6 +175,7 @@ class ThesisFilling:
         state = initial_state(self.sites)
         first: ThesisLayer | None = None
         below: ThesisLayer | None = None
+        unanswered: list[int] = []
         for index, section in enumerate(self.sections):
             state = state.grown(self.offset)
             wanted = (
@@ -150,12 +191,16 @@ class ThesisFilling:
                 state = replace(state, tags=np.where(self.grows, GROWS, STAYS))
             layer = self._layer(index, state, diagram)
             layer = replace(layer, diagram=after, unanswered=wanted and born is None)
+            unanswered += [index] * layer.unanswered
             yield layer
             if not index:
                 # As line 39 has it: once after the first layer's diagram, again on the next.
                 state = state.grown(self.offset)
             below = layer if section.rings else None
             first = first or below
+        newborn = state.inserted()
+        births = np.column_stack([state.born_in[newborn], newborn])
+        self._told = births, np.array(unanswered, np.int64)
 
     def _with_insertion(self, state: State, below: ThesisLayer, index: int) -> State | None:
         """The state with one more site for layer `index`; None where no cell qualifies."""
