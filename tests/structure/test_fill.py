@@ -283,8 +283,6 @@ def test_faulty_sections_are_named(ring):
 
 
 def test_settings_that_cannot_be():
-    with pytest.raises(SettingError, match="not built yet"):
-        fill_sections(stack((SQUARE,)), np.ones((1, 2)), FillSettings(method="thesis"))
     with pytest.raises(GeometryError, match="at least one"):
         fill_sections(stack((SQUARE,)), np.empty((0, 2)), FillSettings())
     with pytest.raises(GeometryError, match="safe range"):
