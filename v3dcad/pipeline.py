@@ -18,10 +18,12 @@ from v3dcad.parts import MeshPart, part_from, read_recipe
 from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.fill import Filling, fill_sections
+from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
 from v3dcad.structure.place import layer_heights, on_bed
 from v3dcad.structure.properties import Properties, properties
 from v3dcad.structure.sites import scatter_sites
+from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
 
 
@@ -35,7 +37,7 @@ class Structure:
     part: Part
     """as placed on the bed"""
     placement: Placement
-    filling: Filling
+    filling: Filling | ThesisFilling
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
 
@@ -183,8 +185,12 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
-    sections = part.sections(layer_heights(float(part.bounds[1, 2]), settings.layer_height))
-    filling = fill_sections(sections, sites, settings)
+    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    if settings.method == "thesis" and settings.interpolate:
+        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
+        assert isinstance(ends, ThesisFilling)
+        return Structure(part, placement, ends, lofted(ends, heights))
+    filling = fill_sections(part.sections(heights), sites, settings)
     return Structure(part, placement, filling, filling.layers)
 
 

@@ -14,6 +14,7 @@ from v3dcad.model import Layer, Part
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import Filling
 from v3dcad.structure.overhang import Overhang
+from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.toolpath.report import LayerReport
 
 
@@ -28,7 +29,7 @@ class Print:
 
 def report(
     part: Part,
-    filling: Filling,
+    filling: Filling | ThesisFilling,
     layers: Iterable[Layer],
     certificate: Overhang,
     bead_width: float,
@@ -56,6 +57,9 @@ def report(
         "wall_length_mm": sum(row["wall_length_mm"] for row in rows),
         "contour_length_mm": sum(row["contour_length_mm"] for row in rows),
         "births": [{"layer": layer, "site": site} for layer, site in births.tolist()],
+        "layers_without_candidate": (
+            filling.unanswered.tolist() if isinstance(filling, ThesisFilling) else []
+        ),
         "overhang": {
             "bead_width_mm": bead_width,
             "largest_wall_tilt_deg": float(certificate.wall_tilt.max(initial=0)),

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from v3dcad.errors import GeometryError, SettingError
+from v3dcad.errors import GeometryError
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
 from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.geometry.tree import spanning_tree
@@ -19,6 +19,7 @@ from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, Timed, times_of
 from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
@@ -28,20 +29,21 @@ VERTICES_AT_ONCE = 1 << 16
 again and again, whatever the number of layers."""
 
 
-def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Filling:
+def fill_sections(
+    sections: Sequence[Section], sites: Floats, settings: FillSettings
+) -> Filling | ThesisFilling:
     """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
 
     At z = 0 all weights are 0, and the spanning tree of the sites' Voronoi diagram picks every
     second of its levels to grow: they gain `settings.offset` mm² of weight a layer, linear in z.
     Where cells become larger than on the first layer, new ones are born (unless
-    `settings.insertion` is off). Sites on the same grid point are merged, with a warning.
+    `settings.insertion` is off). With `settings.method` "thesis" the thesis's own algorithms make
+    the layers. Sites on the same grid point are merged, with a warning.
 
     Raises `GeometryError` for a site or section that cannot be computed with (faulty rings are
-    found when their layer is), `SettingError` for a method that is not there and an offset that
-    lets walls lean more than `settings.max_overhang`.
+    found when their layer is), `SettingError` for an offset that lets walls lean more than
+    `settings.max_overhang`.
     """
-    if settings.method != "continuous":
-        raise SettingError("method", f"--method {settings.method}: not built yet; use continuous")
     sites = np.asarray(sites, np.float64).reshape(-1, 2)
     if not len(sites):
         raise GeometryError("there are no sites: give at least one")
@@ -62,6 +64,8 @@ def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSett
             stacklevel=2,
         )
         places = places[kept]
+    if settings.method == "thesis":
+        return ThesisFilling(sections, places, grid, settings)
     return Filling(sections, places, grid, settings)
 
 
