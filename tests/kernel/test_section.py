@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from OCP.BRep import BRep_Tool
+from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
 from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.gp import gp_Pnt
 from OCP.TopAbs import TopAbs_VERTEX
-from OCP.TopoDS import TopoDS
+from OCP.TopoDS import TopoDS, TopoDS_Shell, TopoDS_Solid
 
 from tests.kernel import shapes
 from tests.kernel.exact import breaks, exact_area, integrated, volume
@@ -323,5 +323,13 @@ def test_what_is_refused():
         sections(block, 0.5, tolerance=0.0)
     with pytest.raises(GeometryError, match="ascending"):
         sections(block, 0.5, 0.4)
+    builder, shell, solid = BRep_Builder(), TopoDS_Shell(), TopoDS_Solid()
+    builder.MakeShell(shell)
+    for face in list(subshapes(block, FACE))[1:]:
+        builder.Add(shell, face)
+    builder.MakeSolid(solid)
+    builder.Add(solid, shell)
+    with pytest.raises(KernelError, match=r"not closed: 4 stretches"):
+        surface_mesh(solid)
     with pytest.raises(KernelError, match="no face"):
         surface_mesh(shapes.compound([]))

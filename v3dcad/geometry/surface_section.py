@@ -119,7 +119,9 @@ def _sections(
     rings = list(zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True))
     first_ring = np.searchsorted(planes, np.arange(len(heights) + 1)).tolist()
     first_run = np.searchsorted(runs[:, 0], first_ring).tolist()
-    rows, parameters = runs.tolist(), numbers.tolist()
+    # Column by column: a list for each row would keep Python's garbage collector busy.
+    ring_of, start, stop, curve, face = runs.T.tolist()
+    columns = numbers.T.tolist()
     sizes = (0, 0, 3, 5)
     for plane, z in enumerate(heights.tolist()):
         ring_ids = range(first_ring[plane], first_ring[plane + 1])
@@ -130,18 +132,14 @@ def _sections(
             rings=tuple(points[slice(*rings[ring])] for ring in kept),
             runs=tuple(
                 Run(
-                    number_of[ring],
-                    start,
-                    stop,
-                    CURVES[curve],
-                    face,
-                    tuple(row[: sizes[curve]]),
+                    number_of[ring_of[k]],
+                    start[k],
+                    stop[k],
+                    CURVES[curve[k]],
+                    face[k],
+                    tuple([column[k] for column in columns[: sizes[curve[k]]]]),
                 )
-                for (ring, start, stop, curve, face), row in zip(
-                    rows[first_run[plane] : first_run[plane + 1]],
-                    parameters[first_run[plane] : first_run[plane + 1]],
-                    strict=True,
-                )
+                for k in range(first_run[plane], first_run[plane + 1])
             ),
         )
 
