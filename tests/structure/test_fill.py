@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests import oracle
-from v3dcad.errors import GeometryError, SettingError
+from v3dcad.errors import GeometryError
 from v3dcad.geometry.cells import cells
 from v3dcad.model import OUTSIDE, Section
 from v3dcad.settings import FillSettings
