@@ -23,10 +23,13 @@ MAY_IMPORT = {
     "toolpath": INSIDE | {"toolpath"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
-    "pipeline": INSIDE | RIM | {"files", "parts", "structure", "toolpath"},
+    "recipes": INSIDE | {"formats", "kernel", "parts"},
+    "pipeline": INSIDE | RIM | {"files", "parts", "recipes", "structure", "toolpath", "version"},
+    "ont": INSIDE | {"pipeline", "recipes"},
+    "version": set(),
     "options": {"settings"},
     "cli": INSIDE | {"formats", "options", "pipeline"},
-    "__init__": INSIDE | {"pipeline", "structure"},
+    "__init__": INSIDE | {"pipeline", "recipes", "structure"},
 }
 
 MODULES = sorted(PACKAGE.rglob("*.py"))

@@ -71,20 +71,21 @@ class Placement(Value):
         return cls(np.eye(3), np.zeros(3))
 
     def then(self, shift: Placement) -> Placement:
-        """This motion, and a mere shift after it."""
+        """Both motions, this one first; the other must be a mere shift."""
         return Placement(self.rotation, self.translation + shift.translation)
 
     def to_bed(self, points: Floats) -> Floats:
         """The points (n, 3), given where the source lies, in bed coordinates."""
-        turned: Floats = points if self._is_shift() else points @ self.rotation.T
+        turned: Floats = points if self.is_shift() else points @ self.rotation.T
         return turned + self.translation
 
     def to_source(self, points: Floats) -> Floats:
         """The points (n, 3), given in bed coordinates, where the source lies."""
         moved: Floats = points - self.translation
-        return moved if self._is_shift() else moved @ self.rotation
+        return moved if self.is_shift() else moved @ self.rotation
 
-    def _is_shift(self) -> bool:
+    def is_shift(self) -> bool:
+        """Whether nothing is turned."""
         return bool(np.array_equal(self.rotation, np.eye(3)))
 
 

@@ -91,6 +91,8 @@ class FillSettings(Checked):
         40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=10_000_000
     )
     random_seed: int = setting(0, "Seed of the scatter.", least=0, most=2**63 - 1)
+    insertion: bool = setting(True, "New cells are born where cells have become too large.")
+    method: str = setting("continuous", "How cells are born: continuous, or as in the thesis.")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

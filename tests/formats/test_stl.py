@@ -95,9 +95,18 @@ GOOD = ascii_stl(TETRAHEDRON, "x")
         (b"header".ljust(80) + b"\xff\xff\xff\x7f" + b"\x00" * 16, "announces 2147483647"),
         (binary_stl(TETRAHEDRON)[:-7], "announces 4"),
         (GOOD.replace("endsolid x", "").encode(), "cut off"),
-        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 zero 0.0", 1).encode(), "line 6: 'vertex 1.0 zero 0.0' stands where"),
-        (GOOD.replace("      vertex 1.0 0.0 0.0\n", "", 1).encode(), "line 6: 'endloop' stands where `vertex x y z`"),
-        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 0.0", 1).encode(), "line 6: 'vertex 1.0 0.0' stands where"),
+        (
+            GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 zero 0.0", 1).encode(),
+            "line 6: 'vertex 1.0 zero 0.0' stands where",
+        ),
+        (
+            GOOD.replace("      vertex 1.0 0.0 0.0\n", "", 1).encode(),
+            "line 6: 'endloop' stands where `vertex x y z`",
+        ),
+        (
+            GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 0.0", 1).encode(),
+            "line 6: 'vertex 1.0 0.0' stands where",
+        ),
         (GOOD.replace("vertex 1.0 0.0 0.0", "vertex nan 0.0 0.0", 1).encode(), "line 6.*nan"),
         (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1e999 0.0 0.0", 1).encode(), "not finite"),
         (binary_stl(TETRAHEDRON)[:-6] + b"\0\0\xc0\x7f\0\0", "triangle 4 .* not a finite"),

@@ -43,7 +43,7 @@ _SPACE = re.compile(_REST)
 
 
 def ascii_corners(text: str, start: int, stop: int, refuse: Refusal) -> Floats:
-    """Corners (t, 3, 3), mm, of the solids in `text[start:stop]`, whose lines end with `\\n`.
+    """Corners (t, 3, 3), mm, of the solids in `text[start:stop]`, lines ended by line feeds.
 
     Normals are not looked at: corners say it all. Any case, any indent, `//` comments at the end
     of lines. Raises what `refuse` makes of a mistake: a facet that is not whole, a number that
@@ -85,7 +85,9 @@ def _mistake(text: str, at: int, stop: int, refuse: Refusal) -> FormatError:
         if not found:
             shown = _line(text, at, stop)
             if not shown:
-                return refuse(f"cut off: `{expected}` or `endsolid` is missing; export it again", at)
+                return refuse(
+                    f"cut off: `{expected}` or `endsolid` is missing; export it again", at
+                )
             return refuse(f"{shown!r} stands where `{expected}` belongs", at)
         at = found.end()
     raise AssertionError("a facet whose every line is right is a facet")

@@ -276,6 +276,8 @@ def _to_planes(words: NDArray[np.uint32] | NDArray[np.uint64]) -> bytes:
     return rows.T.tobytes()
 
 
-def _from_planes(data: bytes, word: np.dtype[np.uint64] | np.dtype[np.uint32]) -> NDArray[np.uint64]:
+def _from_planes(
+    data: bytes, word: np.dtype[np.uint64] | np.dtype[np.uint32]
+) -> NDArray[np.uint64]:
     rows = np.frombuffer(data, np.uint8).reshape(word.itemsize, -1)
     return np.ascontiguousarray(rows.T).view(word).ravel()

@@ -1,4 +1,4 @@
-"""Numbers as text: written to the last bit, read in every form that C's `strtod` writes or reads."""
+"""Numbers as text: written to the last bit, read in every form that C's `strtod` knows."""
 
 from __future__ import annotations
 

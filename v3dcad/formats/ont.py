@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from array import array
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from v3dcad.errors import FormatError, SettingError
 from v3dcad.formats.ascii_mesh import ascii_corners
 from v3dcad.formats.mesh_code import mesh_bytes, mesh_in
 from v3dcad.formats.numbers import number_text
-from v3dcad.formats.ont_sections import PART, SITES, Body, Fields, sections_in
+from v3dcad.formats.ont_sections import PART, SITES, Body, Field, Fields, sections_in
 from v3dcad.formats.ont_settings import settings_fields, settings_from
 from v3dcad.formats.packing import MARK, checked, packed, unpacked
 from v3dcad.formats.stl import ascii_stl, welded
@@ -86,21 +87,16 @@ def recipe_in(data: bytes, path: str) -> Recipe:
         raise sections[BOUNDARY].error(f"stands here beside [{PART}]; one boundary is needed")
     if sites is None and not exact:
         raise FormatError("is missing; the file is not whole", path=path, section=SITES)
+    ours = exact or any(name in sections for name in (OURS, SETTINGS, CHECKSUM))
     software, placement = "", Placement.none()
-    settings = FillSettings(
-        offset=offset, layer_height=layer_height, **({} if sites is None else {"sites": len(sites)})
-    )
-    checksum = None
-    if exact or any(name in sections for name in (OURS, SETTINGS, CHECKSUM)):
+    announced: dict[str, Field] = {}
+    if ours:
         software, placement = _ours(_section(sections, OURS, path))
-        fields = _whole(_section(sections, SETTINGS, path))
-        settings = settings_from(
-            fields.rest(), offset, layer_height, None if sites is None else len(sites)
-        )
-        checksum = _checksum(sections[CHECKSUM]) if CHECKSUM in sections else None
-    boundary = (
-        _exact(sections[BOUNDARY]) if exact else _triangles(_section(sections, PART, path))
-    )
+        announced = _whole(_section(sections, SETTINGS, path)).rest()
+    count = None if sites is None else len(sites)
+    settings = settings_from(announced, offset, layer_height, count)
+    checksum = _checksum(sections[CHECKSUM]) if CHECKSUM in sections else None
+    boundary = _exact(sections[BOUNDARY]) if exact else _triangles(_section(sections, PART, path))
     return Recipe(
         name=Path(path).stem,
         settings=settings,
@@ -228,10 +224,10 @@ def _exact(body: Body) -> Brep | Mesh:
 
 def _checksum(body: Body) -> Checksum:
     fields = _whole(body)
-    counts = {name: fields.take(name).count() for name in Checksum.COUNTS}
-    sums = {
+    found: dict[str, Any] = {name: fields.take(name).count() for name in Checksum.COUNTS}
+    found |= {
         name: fields.take(name).matching(f"[0-9a-f]{{{digits}}}", f"{digits} hexadecimal digits")
         for name, digits in Checksum.DIGITS.items()
     }
     fields.end()
-    return Checksum(**counts, **sums)
+    return Checksum(**found)

@@ -138,7 +138,7 @@ class Fields:
 
 
 def sections_in(text: str, path: str) -> dict[str, Body]:
-    """The sections of a text whose lines end with `\\n`, by name.
+    """The sections of a text, whose lines are ended by line feeds, by name.
 
     A `solid` line outside `PART` begins that section, as it does for Algorithm 10. Raises
     `FormatError` for a section that stands there twice and for text before the first.
