@@ -78,7 +78,8 @@ def mesh_in(data: bytes) -> Mesh:
     folded = _from_planes(data[stop + 4 * old :], np.dtype("<u8"))
     residuals = (folded >> np.uint64(1)) ^ (np.uint64(0) - (folded & np.uint64(1)))
     codes = _summed(residuals.reshape(-1, 3), walk.guesses)
-    places = _decoded(form, codes) + np.array(origin)
+    with np.errstate(all="ignore"):  # what is not finite is refused below
+        places = _decoded(form, codes) + np.array(origin)
     if not np.isfinite(places).all():
         raise ValueError("a vertex of the mesh is not finite")
     return Mesh(places, triangles)

@@ -8,6 +8,8 @@ further sections that it skips.
 from __future__ import annotations
 
 from array import array
+from collections.abc import Iterable, Iterator
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +32,8 @@ FORMAT = 1
 OFFSET, HEIGHT = "OFFSET_VALUE", "LAYER_HEIGHT"
 OURS, SETTINGS, BOUNDARY, CHECKSUM = "V3DCAD", "SETTINGS", "BOUNDARY", "CHECKSUM"
 
-MOST_BYTES = 1 << 29
-"""512 MiB: the largest file that is read."""
+MOST_BYTES = 1 << 28
+"""256 MiB: the largest file that is read; some ten times as much memory is the most it can take."""
 MOST_SITES = 10_000_000
 
 PACKING = "lzma-base85"
@@ -160,11 +162,11 @@ def _setting(body: Body, name: str) -> float:
 def _sites(body: Body) -> Floats:
     numbers = array("d")
     for at, row in body.rows():
-        words = [word.strip() for word in row.split(",")]
+        words = [word.strip() for word in row.split(",", 3)]
         if not numbers and [word.upper() for word in words] == ["X", "Y", "Z"]:
             continue
         if len(words) != 3:
-            raise body.error(f"{len(words)} numbers, X,Y,Z are needed", at)
+            raise body.error(f"{row[:40]!r} is not three numbers X,Y,Z", at)
         if len(numbers) >= 3 * MOST_SITES:
             raise body.error(f"more than {MOST_SITES} sites", at)
         numbers.extend(body.number_from(word, at) for word in words)
@@ -198,9 +200,8 @@ def _ours(body: Body) -> tuple[str, Placement]:
 
 
 def _exact(body: Body) -> Brep | Mesh:
-    rows = list(body.rows())
-    lines = [row for _, row in rows if row.startswith(MARK)]
-    fields = Fields(body, iter([row for row in rows if not row[1].startswith(MARK)]))
+    digits = StringIO()
+    fields = Fields(body, _apart(body.rows(), digits))
     kind = fields.take("kind").one_of("brep", "mesh")
     bounds = []
     if kind == "brep":
@@ -209,7 +210,7 @@ def _exact(body: Body) -> Brep | Mesh:
     size, check = fields.take("size").count(), fields.take("crc32").value
     fields.end()
     try:
-        data = unpacked(lines, size, check)
+        data = unpacked(digits.getvalue(), size, check)
         if kind == "mesh":
             mesh = mesh_in(data)
             return welded(mesh.vertices[mesh.triangles], body.path, body.name)
@@ -220,6 +221,15 @@ def _exact(body: Body) -> Brep | Mesh:
     if not (np.array(bounds[0]) < np.array(bounds[1])).all():
         raise body.error("its `low` does not lie below its `high`")
     return Brep(data, np.array(bounds))
+
+
+def _apart(rows: Iterable[tuple[int, str]], digits: StringIO) -> Iterator[tuple[int, str]]:
+    """The rows that are not packed lines; what is packed goes into `digits`."""
+    for at, row in rows:
+        if row.startswith(MARK):
+            digits.write(row.removeprefix(MARK))
+        else:
+            yield at, row
 
 
 def _checksum(body: Body) -> Checksum:

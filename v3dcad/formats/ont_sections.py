@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 from v3dcad.errors import FormatError
 from v3dcad.formats.numbers import number_in
@@ -13,6 +14,9 @@ PART = "BREP_PART_STL"
 SITES = "VORONOI_SEED_COORDINATES"
 SITES_IN_FIGURE = "INITIAL_LAYER_VORONOI_SEED_COORDINATES"
 """What Fig. 3.20 calls the section that Algorithms 9 and 10 call `SITES`."""
+
+MOST_SECTIONS = MOST_FIELDS = 200
+"""Far more than anyone writes; without a bound a hostile file could fill the memory with them."""
 
 _HEADER = re.compile(
     r"^[ \t]*+(?:\[([^\[\]\n]{1,64})\][ \t]*+(?://[^\n]*+)?|solid[^\n]*+)$",
@@ -48,9 +52,10 @@ class Body:
 
     def number(self) -> float:
         """The one number that the section holds."""
-        rows = list(self.rows())
+        rows = list(islice(self.rows(), 2))
         if len(rows) != 1:
-            raise self.error(f"holds {len(rows)} lines, one number is needed")
+            many = "more than one line" if rows else "nothing"
+            raise self.error(f"holds {many}, one number is needed")
         at, word = rows[0]
         return self.number_from(word, at)
 
@@ -83,9 +88,9 @@ class Field:
 
     def numbers(self, count: int) -> list[float]:
         """The value as so many finite numbers."""
-        words = self.value.split()
+        words = self.value.split(maxsplit=count)
         if len(words) != count:
-            raise self.error(f"{len(words)} numbers, {count} are needed")
+            raise self.error(f"{self.value[:40]!r} is not {count} numbers")
         return [self.body.number_from(word, self.at) for word in words]
 
     def one_of(self, *values: str) -> str:
@@ -105,7 +110,7 @@ class Field:
 class Fields:
     """The `key = value` lines of a section; asked for one after the other, none left over."""
 
-    def __init__(self, body: Body, rows: Iterator[tuple[int, str]]) -> None:
+    def __init__(self, body: Body, rows: Iterable[tuple[int, str]]) -> None:
         self.body = body
         self._fields: dict[str, Field] = {}
         for at, row in rows:
@@ -114,6 +119,8 @@ class Fields:
                 raise body.error(f"{row[:40]!r} is not `key = value`", at)
             if key in self._fields:
                 raise body.error(f"`{key[:40]}` stands here a second time", at)
+            if len(self._fields) >= MOST_FIELDS:
+                raise body.error(f"holds more than {MOST_FIELDS} fields", at)
             self._fields[key] = Field(body, at, value)
 
     def take(self, key: str) -> Field:
@@ -150,6 +157,8 @@ def sections_in(text: str, path: str) -> dict[str, Body]:
             starts.append((name, header.start(), header.end() + 1))
         elif not starts or starts[-1][0] != PART:
             starts.append((PART, header.start(), header.start()))
+        if len(starts) > MOST_SECTIONS:
+            raise FormatError(f"holds more than {MOST_SECTIONS} sections", path=path)
     first = starts[0][1] if starts else len(text)
     for at, row in Body(path, text, "", 0, first).rows():
         line = text.count("\n", 0, at) + 1
@@ -158,8 +167,8 @@ def sections_in(text: str, path: str) -> dict[str, Body]:
             path=path, line=line,
         )  # fmt: skip
     found: dict[str, Body] = {}
-    stops = [*(at for _, at, _ in starts[1:]), len(text)]
-    for (name, _, start), stop in zip(starts, stops, strict=True):
+    for place, (name, _, start) in enumerate(starts):
+        stop = starts[place + 1][1] if place + 1 < len(starts) else len(text)
         if name == SITES_IN_FIGURE:
             name = SITES
         body = Body(path, text, name, min(start, len(text)), stop)

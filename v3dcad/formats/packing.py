@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import lzma
 import zlib
-from collections.abc import Iterable
 
 MOST_BYTES = 1 << 27
 """128 MiB: what packed lines may expand to, and so the memory that they take."""
@@ -35,19 +34,18 @@ def checked(data: bytes) -> str:
     return f"{zlib.crc32(data):08x}"
 
 
-def unpacked(lines: Iterable[str], size: int, check: str) -> bytes:
-    """The `size` bytes in lines that `packed` made; never takes more memory than that.
+def unpacked(digits: str, size: int, check: str) -> bytes:
+    """The `size` bytes in what `packed` made, joined without marks; takes no more memory than that.
 
     `ValueError` says what is wrong where they are damaged, longer or shorter than announced, or
     announced longer than `MOST_BYTES`.
     """
     if size > MOST_BYTES:
         raise ValueError(f"announces {size} bytes, more than the {MOST_BYTES} allowed")
-    digits = "".join(line.removeprefix(MARK) for line in lines)
     expander = lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=FILTERS)
     try:
         data = expander.decompress(base64.b85decode(digits), max_length=size + 1)
-    except (ValueError, lzma.LZMAError, EOFError) as error:
+    except (ValueError, lzma.LZMAError) as error:
         raise ValueError("its packed lines are damaged") from error
     if len(data) != size:
         more = "more" if len(data) > size else f"{len(data)}"
