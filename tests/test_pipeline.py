@@ -45,10 +45,10 @@ def test_every_layer_of_a_real_part_is_tiled(name: str, samples: Path) -> None:
             assert layer.index == 0
             continue
         area = area_of(layer).area
-        assert layer.diagram.areas(len(structure.sites)).sum() == pytest.approx(area, rel=1e-9)
+        assert layer.diagram.areas(len(layer.state.sites)).sum() == pytest.approx(area, rel=1e-9)
         ends = np.sort(layer.diagram.edges, axis=1)
         assert len(np.unique(ends, axis=0)) == len(ends)
-        cells = np.count_nonzero(layer.diagram.areas(len(structure.sites)) > 0)
+        cells = np.count_nonzero(layer.diagram.areas(len(layer.state.sites)) > 0)
         assert layer.area_per_cell * cells == pytest.approx(area)
 
 

@@ -22,8 +22,10 @@ def written(tmp_path: Path, content: bytes) -> Path:
     return path
 
 
-def corners(mesh: Mesh) -> list[list[float]]:
-    return sorted(mesh.vertices[mesh.triangles].reshape(-1, 9).tolist())
+def corners(mesh: Mesh) -> list[list[list[float]]]:
+    """Every triangle's corners, the least first."""
+    rows = mesh.vertices[mesh.triangles].tolist()
+    return sorted(row[least:] + row[:least] for row in rows for least in [row.index(min(row))])
 
 
 def test_ascii_keeps_every_bit(tmp_path: Path) -> None:

@@ -246,13 +246,13 @@ def _coded(places: Floats, origin: Floats) -> tuple[int, Floats, NDArray[np.uint
     """The form that takes the fewest bits of those that keep every bit; origin; codes (v, 3)."""
     for shift in (origin, np.zeros(3)):
         base = places - shift
-        for digits in DECIMALS:
-            whole = np.rint(base * 10.0**digits)
+        with np.errstate(over="ignore"):  # numbers so large are no form's but the last
+            tries = [np.rint(base * 10.0**digits) for digits in DECIMALS]
+            single = base.astype(np.float32)
+        for digits, whole in zip(DECIMALS, tries, strict=True):
             exact = np.array_equal(whole / 10.0**digits + shift, places)
             if exact and np.abs(whole).max(initial=0) < 2**53:
                 return digits, shift, whole.astype(np.int64).view(np.uint64)
-        with np.errstate(over="ignore"):
-            single = base.astype(np.float32)
         if np.array_equal(single.astype(np.float64) + shift, places):
             bits = single.view(np.uint32).astype(np.uint64)
             return SINGLE, shift, np.where(bits >> 31, 0xFFFFFFFF - bits, bits + (1 << 31))

@@ -59,7 +59,7 @@ def ont_text(recipe: Recipe, boundary: str) -> str:
         if recipe.sites is None or not isinstance(recipe.boundary, Mesh):
             raise ValueError("this form holds triangles and lists the sites")
         lines += [f"[{PART}]", ascii_stl(recipe.boundary, "mesh").removesuffix("\n")]
-    ours = {"format": str(FORMAT), "software": recipe.software, "units": "mm"}
+    ours = {"format": str(FORMAT), "software": recipe.software or "unknown", "units": "mm"}
     if recipe.placement.translation.any():
         ours["shift"] = _numbers(recipe.placement.translation)
     lines += _fields(OURS, ours)

@@ -31,12 +31,15 @@ class Body:
     path: str
     text: str
     name: str
+    head: int
+    """where the section's own line begins, and"""
     start: int
+    """where what it holds does"""
     stop: int
 
     def error(self, message: str, at: int | None = None) -> FormatError:
         """The error that something is wrong at an offset into the text, or with the section."""
-        line = self.text.count("\n", 0, self.start if at is None else at) + 1
+        line = self.text.count("\n", 0, self.head if at is None else at) + 1
         return FormatError(message, path=self.path, line=line, section=self.name)
 
     def rows(self) -> Iterator[tuple[int, str]]:
@@ -160,18 +163,18 @@ def sections_in(text: str, path: str) -> dict[str, Body]:
         if len(starts) > MOST_SECTIONS:
             raise FormatError(f"holds more than {MOST_SECTIONS} sections", path=path)
     first = starts[0][1] if starts else len(text)
-    for at, row in Body(path, text, "", 0, first).rows():
+    for at, row in Body(path, text, "", 0, 0, first).rows():
         line = text.count("\n", 0, at) + 1
         raise FormatError(
             f"not an .ont file: {row[:40]!r} stands before the first [SECTION]",
             path=path, line=line,
         )  # fmt: skip
     found: dict[str, Body] = {}
-    for place, (name, _, start) in enumerate(starts):
+    for place, (name, head, start) in enumerate(starts):
         stop = starts[place + 1][1] if place + 1 < len(starts) else len(text)
         if name == SITES_IN_FIGURE:
             name = SITES
-        body = Body(path, text, name, min(start, len(text)), stop)
+        body = Body(path, text, name, head, min(start, len(text)), stop)
         if name in found:
             raise body.error("stands here a second time")
         found[name] = body

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import lzma
 import zlib
+from typing import Any
 
 MOST_BYTES = 1 << 27
 """128 MiB: what packed lines may expand to, and so the memory that they take."""
@@ -16,16 +17,21 @@ MARK = ":"
 """Begins each line. It is no digit of base 85, so that no line can be taken for a section, a
 comment or the word `solid`, whatever the bytes are."""
 
-FILTERS = [
-    {"id": lzma.FILTER_LZMA1, "dict_size": 1 << 24, "lc": 3, "lp": 0, "pb": 0, "preset": 9}
-    | {"mode": lzma.MODE_NORMAL, "nice_len": 273, "mf": lzma.MF_BT4, "depth": 512}
-]
-"""Stated in full and not stored, so that no file can ask for another size of dictionary."""
+
+
+def _filters(size: int) -> list[dict[str, Any]]:
+    """How LZMA is set for so many bytes. Stated in full and not stored: no file can ask for more."""
+    dictionary = max(1 << 12, min(size, 1 << 24))
+    return [
+        {"id": lzma.FILTER_LZMA1, "dict_size": dictionary, "lc": 3, "lp": 0, "pb": 0}
+        | {"mode": lzma.MODE_NORMAL, "nice_len": 273, "mf": lzma.MF_BT4, "depth": 512}
+    ]
 
 
 def packed(data: bytes) -> list[str]:
     """Bytes as lines of text."""
-    digits = base64.b85encode(lzma.compress(data, lzma.FORMAT_RAW, filters=FILTERS)).decode()
+    pressed = lzma.compress(data, lzma.FORMAT_RAW, filters=_filters(len(data)))
+    digits = base64.b85encode(pressed).decode()
     return [MARK + digits[at : at + WIDTH] for at in range(0, len(digits), WIDTH)]
 
 
@@ -42,7 +48,7 @@ def unpacked(digits: str, size: int, check: str) -> bytes:
     """
     if size > MOST_BYTES:
         raise ValueError(f"announces {size} bytes, more than the {MOST_BYTES} allowed")
-    expander = lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=FILTERS)
+    expander = lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=_filters(size))
     try:
         data = expander.decompress(base64.b85decode(digits), max_length=size + 1)
     except (ValueError, lzma.LZMAError) as error:
