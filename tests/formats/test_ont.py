@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recipes import BREP, CHECKSUM, SITES, TETRAHEDRON, algorithm_10, recipe
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from recipes import BREP, CHECKSUM, SITES, TETRAHEDRON, algorithm_10, recipe
 
 from v3dcad.errors import FormatError
 from v3dcad.formats import ont
@@ -65,7 +65,9 @@ def assert_same(one: Recipe, other: Recipe) -> None:
         assert one.sites.tobytes() == other.sites.tobytes()
     assert type(one.boundary) is type(other.boundary)
     for field in fields(one.boundary):
-        assert np.array_equal(getattr(one.boundary, field.name), getattr(other.boundary, field.name))
+        assert np.array_equal(
+            getattr(one.boundary, field.name), getattr(other.boundary, field.name)
+        )
 
 
 @pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
@@ -94,7 +96,9 @@ def test_the_figure_of_the_thesis_is_read(ends: str, mark: str) -> None:
         lambda text: text.replace("0.1 ", "+.1E0 ").replace("0.15", "15e-2"),
         lambda text: text.replace("0.1 ", "0x1.999999999999ap-4 "),
         lambda text: text.replace("vertex 1 0 0", "vertex 0X1P+0 -0. .0e5 // a corner"),
-        lambda text: text.replace("[LAYER", "[NOTES_OF_ANOTHER]\nanything = goes // here\n\n[LAYER"),
+        lambda text: text.replace(
+            "[LAYER", "[NOTES_OF_ANOTHER]\nanything = goes // here\n\n[LAYER"
+        ),
         lambda text: text.replace("solid part_name", "solid"),
     ],
 )

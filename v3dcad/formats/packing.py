@@ -18,7 +18,6 @@ MARK = ":"
 comment or the word `solid`, whatever the bytes are."""
 
 
-
 def _filters(size: int) -> list[dict[str, Any]]:
     """How LZMA is set for so many bytes. Stated in full and not stored: no file can ask for more."""
     dictionary = max(1 << 12, min(size, 1 << 24))
