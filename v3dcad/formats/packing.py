@@ -19,7 +19,7 @@ comment or the word `solid`, whatever the bytes are."""
 
 
 def _filters(size: int) -> list[dict[str, Any]]:
-    """How LZMA is set for so many bytes. Stated in full and not stored: no file can ask for more."""
+    """How LZMA is set for so many bytes; not stored, so that no file can ask for more memory."""
     dictionary = max(1 << 12, min(size, 1 << 24))
     return [
         {"id": lzma.FILTER_LZMA1, "dict_size": dictionary, "lc": 3, "lp": 0, "pb": 0}
