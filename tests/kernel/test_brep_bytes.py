@@ -33,6 +33,15 @@ def test_solids_come_back_and_stay_in_place(name: str, samples: Path) -> None:
     assert again.contents() == placed.contents()
 
 
+def test_the_bytes_do_not_tell_what_was_done_with_the_part(samples: Path) -> None:
+    from v3dcad.kernel.brep_bytes import brep_of
+
+    part, other = part_from(samples / "bracket.step"), part_from(samples / "bracket.step")
+    other.mesh()
+    other.sections(np.array([0.0, 5.0]))
+    assert brep_of(part).data == brep_of(other).data
+
+
 def test_bytes_that_are_no_solid_are_refused(samples: Path) -> None:
     from v3dcad.kernel.brep_bytes import brep_of, part_in
 

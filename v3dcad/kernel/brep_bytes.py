@@ -10,6 +10,7 @@ from OCP.TopoDS import TopoDS_Shape
 
 from v3dcad.errors import KernelError
 from v3dcad.kernel.part import SolidPart, solid_part
+from v3dcad.kernel.shapes import FACE, subshapes
 from v3dcad.model import Brep, Part
 
 APART = 1e-3
@@ -27,6 +28,8 @@ def brep_of(part: Part) -> Brep:
         raise KernelError(f"{part.name}: is not a B-rep")
     if part.stored is not None:
         return part.stored
+    for face in subshapes(part.shape, FACE):
+        face.Checked(False)  # a mark that meshing takes away: the bytes must not tell
     stream = io.BytesIO()
     version = BinTools_FormatVersion.BinTools_FormatVersion_CURRENT
     BinTools.Write_s(part.shape, stream, False, False, version)
