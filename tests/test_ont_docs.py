@@ -21,9 +21,7 @@ def test_the_exact_example_makes_its_structure(samples: Path, tmp_path: Path) ->
     (tmp_path / "cone.ont").write_text(EXACT)
     assert ont.check(tmp_path / "cone.ont")["result"] == "the structure is the one that was written"
     read = v3dcad.fill(tmp_path / "cone.ont")
-    made = v3dcad.fill(
-        samples / "cone.step", layer_height=0.5, offset=0.2, sites=12, random_seed=3
-    )
+    made = v3dcad.fill(samples / "cone.step", layer_height=0.5, offset=0.2, sites=12, random_seed=3)
     assert read.checksum() == made.checksum()
     read.write_ont(tmp_path / "again.ont")
     assert (tmp_path / "again.ont").read_text() == EXACT

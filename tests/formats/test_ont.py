@@ -232,7 +232,7 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(STL, "]\n0.15", "]\nnan"), "'nan' is not a finite number"),
         (changed(STL, "]\n0.15", "]\n1e999"), "'1e999' is not a finite number"),
         (changed(STL, "]\n0.15", "]\n1_0"), "'1_0' is not a finite number"),
-        (changed(STL, "]\n0.15", "]\n" + "1" * 801), "is not a finite number"),
+        (changed(STL, "]\n0.15", "]\n0." + "1" * 800), "is not a finite number"),
         (changed(STL, "]\n0.15", "]\n1\n2"), "holds more than one line"),
         (changed(STL, "]\n0.15", "]\n"), "holds nothing"),
         (changed(STL, "]\n0.15", "]\n/etc/layer_height"), "'/etc/layer_height' is not a finite"),

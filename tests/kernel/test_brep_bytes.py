@@ -24,6 +24,7 @@ def test_solids_come_back_and_stay_in_place(name: str, samples: Path) -> None:
     part = part_from(part_file(name) if name in SHARED else samples / name)
     part = part.placed(Placement(np.eye(3), np.array([3.7, -1e3 / 3, 0.1])))
     placed = part.placed(on_bed(part.bounds))
+    assert placed.bounds.tobytes() == on_bed(part.bounds).to_bed(part.bounds).tobytes()
     assert not on_bed(placed.bounds).translation.any()
     brep = brep_of(placed)
     again = part_in(brep, "again")

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,17 @@ def test_another_structure_has_another(change: dict[str, object], says: list[str
     differences = checksum(**{"sites": SITES, **change}).differences(checksum(SITES))
     for start in says:
         assert any(difference.startswith(start) for difference in differences), differences
+
+
+def test_other_neighbours_make_another() -> None:
+    filling = fill_sections(sections(), SITES, FillSettings(layer_height=0.5, offset=0.4))
+    layers = list(filling.layers)
+    pairs = layers[4].diagram.neighbours.copy()
+    pairs[0] = [pairs[0, 0], (pairs[0, 1] + 1) % 30]
+    changed = replace(layers[4], diagram=replace(layers[4].diagram, neighbours=pairs))
+    other = structure_checksum([*layers[:4], changed, *layers[5:]], filling.grid)
+    differences = other.differences(structure_checksum(layers, filling.grid))
+    assert differences == ["other topology"]
 
 
 def test_points_on_the_boundary_take_no_part() -> None:
