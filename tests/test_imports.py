@@ -24,11 +24,26 @@ MAY_IMPORT = {
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
-    "pipeline": INSIDE | RIM | {"files", "parts", "recipes", "structure", "toolpath", "version"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
+    "report": INSIDE | {"formats", "structure", "toolpath"},
+    "pipeline": INSIDE
+    | RIM
+    | {"files", "parts", "recipes", "report", "structure", "toolpath", "version"},
     "options": {"settings"},
-    "cli": INSIDE | {"formats", "options", "pipeline"},
+    "commands": INSIDE
+    | {
+        "commands",
+        "files",
+        "formats",
+        "options",
+        "parts",
+        "pipeline",
+        "recipes",
+        "report",
+        "structure",
+    },
+    "cli": {"commands", "errors"},
     "__init__": INSIDE | {"pipeline", "recipes", "structure"},
 }
 

@@ -37,7 +37,7 @@ def path_of(name: str, samples: Path) -> Path:
 )
 def test_round_trip(name: str, boundary: str, samples: Path, tmp_path: Path) -> None:
     """Byte for byte, the same structure, where it lay, and never moved again."""
-    part = v3dcad.pipeline.part_from(path_of(name, samples))
+    part = v3dcad.parts.part_from(path_of(name, samples))
     height = float(np.ptp(part.bounds[:, 2])) / 7.3
     structure = v3dcad.build(part, FillSettings(**FEW | {"layer_height": height}))
     structure.write_ont(tmp_path / "a.ont", boundary)
@@ -48,7 +48,7 @@ def test_round_trip(name: str, boundary: str, samples: Path, tmp_path: Path) -> 
     exact = boundary == "exact" or name.endswith(".stl")
     assert not exact or again.checksum() == structure.checksum()
     if exact:
-        assert again.sites.tobytes() == structure.sites.tobytes()
+        assert again.places.tobytes() == structure.places.tobytes()
         assert np.array_equal(again.placement.translation, structure.placement.translation)
     assert np.allclose(again.placement.translation, structure.placement.translation, atol=0.05)
     again.write_ont(tmp_path / "b.ont", boundary)
@@ -56,7 +56,7 @@ def test_round_trip(name: str, boundary: str, samples: Path, tmp_path: Path) -> 
     if boundary == "stl":
         offset, height, sites, mesh = algorithm_10((tmp_path / "a.ont").read_text())
         assert (offset, height) == (0.3, structure.settings.layer_height)
-        assert np.array(sites)[:, :2].tobytes() == structure.sites.tobytes()
+        assert np.array(sites)[:, :2].tobytes() == structure.places.tobytes()
         assert isinstance(recipe.boundary, Mesh)
         corners = recipe.boundary.vertices[recipe.boundary.triangles]
         assert mesh == corners.reshape(-1, 3).tolist()
@@ -73,7 +73,7 @@ def test_scattered_sites_are_left_out_and_explicit_ones_kept(samples: Path, tmp_
     scattered = v3dcad.fill(samples / "cone.step", **FEW)
     assert scattered.recipe("exact").sites is None
     assert scattered.recipe("stl").sites is not None
-    places = scattered.sites.copy()
+    places = scattered.places.copy()
     places[3, 0] = np.nextafter(places[3, 0], 99)
     explicit = v3dcad.fill(samples / "cone.step", **FEW | {"sites": places})
     explicit.write_ont(tmp_path / "a.ont")
@@ -104,7 +104,7 @@ def test_the_same_with_the_sites_in_another_order(bracket: Path) -> None:
     """All but the first, at which the tree is rooted that picks the cells which grow."""
     structure = v3dcad.fill(bracket)
     order = [0, *range(19, 0, -1)]
-    other = v3dcad.fill(bracket, sites=structure.sites[order])
+    other = v3dcad.fill(bracket, sites=structure.places[order])
     assert other.checksum() == structure.checksum()
 
 
@@ -137,7 +137,7 @@ def test_other_settings_make_another_structure_and_are_not_compared(bracket: Pat
     other = v3dcad.fill(bracket, random_seed=4)
     assert other.settings.random_seed == 4
     assert not np.array_equal(other.sites, v3dcad.fill(bracket).sites)
-    assert v3dcad.fill(bracket, sites=[(0.0, 0.0), (1, 5)]).sites.tolist() == [[0, 0], [1, 5]]
+    assert v3dcad.fill(bracket, sites=[(0.0, 0.0), (1, 5)]).places.tolist() == [[0, 0], [1, 5]]
     with pytest.raises(SettingError, match="'colour'"):
         v3dcad.fill(written, colour=1)
 
@@ -178,7 +178,7 @@ def test_a_solid_that_occt_cannot_read_is_an_error(bracket: Path) -> None:
 
 
 def test_describe_tells_what_a_file_says(bracket: Path) -> None:
-    held = v3dcad.pipeline.describe(bracket)
+    held = v3dcad.recipes.describe(bracket)
     assert held["boundary"] == "B-rep"
     assert held["sites"] == "20, scattered again from the random seed"
     assert held["random seed"] == "3"

@@ -30,7 +30,7 @@ def test_the_exact_example_makes_its_structure(samples: Path, tmp_path: Path) ->
 def test_the_example_in_the_thesis_s_form_is_filled(tmp_path: Path) -> None:
     (tmp_path / "tetrahedron.ont").write_text(THESIS)
     structure = v3dcad.fill(tmp_path / "tetrahedron.ont")
-    assert structure.sites.tolist() == [[-0.2, -0.2], [0.1, 0.25]]
+    assert structure.places.tolist() == [[-0.2, -0.2], [0.1, 0.25]]
     assert np.ptp(structure.part.bounds, axis=0).tolist() == [1, 1, 1]
     assert len(structure.layers) == 4
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,23 +13,20 @@ import numpy as np
 
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
-from v3dcad.geometry.grid import Grid
-from v3dcad.model import Checksum, Floats, Layer, Part, Placement, Recipe, Toolpath
+from v3dcad.model import Checksum, Diagram, Floats, Layer, Part, Placement, Recipe
 from v3dcad.parts import MeshPart, part_from
-from v3dcad.recipes import (
-    boundary_form,
-    boundary_of,
-    changed,
-    known_settings,
-    part_of,
-    read_ont,
-    told,
-)
+from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
+from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.checksum import structure_checksum
-from v3dcad.structure.fill import fill_sections
+from v3dcad.structure.fill import Filling, fill_sections
+from v3dcad.structure.loft import lofted
+from v3dcad.structure.overhang import Overhang, overhang
 from v3dcad.structure.place import layer_heights, on_bed
+from v3dcad.structure.properties import Properties, properties
 from v3dcad.structure.sites import scatter_sites
+from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.structure.walls import StrutAxes, Walls
 from v3dcad.version import VERSION
 
 
@@ -42,12 +40,46 @@ class Structure:
     part: Part
     """as placed on the bed"""
     placement: Placement
-    settings: FillSettings
+    filling: Filling | ThesisFilling
     layers: Sequence[Layer]
-    sites: Floats
-    """(n, 2) mm"""
-    grid: Grid
-    """what the engine computes on"""
+    """computed as they are asked for; gone through as often as one likes"""
+    places: Floats
+    """(n, 2) mm: the sites as they were given or scattered, to the last bit"""
+
+    @property
+    def settings(self) -> FillSettings:
+        """What it was filled with; an offset of "auto" is the number it stood for."""
+        return self.filling.settings
+
+    @property
+    def sites(self) -> Floats:
+        """(n, 2) mm: the sites at the base, as snapped to the engine's grid."""
+        return self.filling.sites
+
+    @property
+    def walls(self) -> Walls:
+        """The walls of the structure in space: planar facets within the base rectangle."""
+        return self.filling.walls
+
+    @property
+    def strut_axes(self) -> StrutAxes:
+        """The lines where three walls meet, within the base rectangle."""
+        return self.filling.strut_axes
+
+    def at(self, z: float) -> Diagram:
+        """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
+        (section,) = self.part.sections(np.array([z]))
+        return self.filling.at(z, section)
+
+    def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
+        """The certificate: how every layer rests on the one below."""
+        return overhang(self.layers, bead_width)
+
+    def properties(
+        self, bead_width: float = PrintSettings().bead_width, density: float = 1.24
+    ) -> Properties:
+        """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
+        return properties(self.layers, self.settings.layer_height, bead_width, density)
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.
@@ -60,10 +92,10 @@ class Structure:
         form = boundary_form(boundary, self.part)
         if form == "stl" and not isinstance(self.part, MeshPart):
             mesh = MeshPart(self.part.name, self.part.mesh())
-            tessellated = build(mesh, self.settings, self.sites)
+            tessellated = build(mesh, self.settings, self.places)
             placement = self.placement.then(tessellated.placement)
             return replace(tessellated, placement=placement).recipe(form)
-        sites = np.column_stack([self.sites, np.zeros(len(self.sites))])
+        sites = np.column_stack([self.places, np.zeros(len(self.places))])
         return Recipe(
             name=self.part.name,
             settings=self.settings,
@@ -76,14 +108,14 @@ class Structure:
 
     def _scatters_again(self) -> bool:
         """Whether settings alone give these sites."""
-        if self.settings.sites != len(self.sites):
+        if self.settings.sites != len(self.places):
             return False
-        again = scatter_sites(self.part.bounds[:, :2], len(self.sites), self.settings.random_seed)
-        return np.array_equal(again, self.sites)
+        again = scatter_sites(self.part.bounds[:, :2], len(self.places), self.settings.random_seed)
+        return np.array_equal(again, self.places)
 
     def checksum(self) -> Checksum:
         """The check sum by which the structure is known; goes through all layers."""
-        return structure_checksum(self.layers, self.grid)
+        return structure_checksum(self.layers, self.filling.grid)
 
     def write_ont(self, path: str | Path, boundary: str | None = None) -> None:
         """Write the structure as `.ont`; `boundary` as for `recipe`."""
@@ -94,23 +126,29 @@ class Structure:
             text = ont_text(self.recipe(form), form)
             beside.write_text(text, encoding="utf-8", newline="\n")
 
-    def trace(self, settings: PrintSettings) -> Iterator[Toolpath]:
-        """The toolpath of each layer."""
-        from v3dcad.toolpath.trace import trace
+    def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> Print:
+        """Write G-code, the part in the middle of the bed, and tell what the print takes.
 
-        return trace(self.layers, settings)
-
-    def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> None:
-        """Write G-code for a Marlin printer, the part in the middle of the bed.
-
-        Raises `SettingError` where the part is larger than the bed.
+        Raises `SettingError` where the part is larger than the printer.
         """
         from v3dcad.formats.gcode import check_fits, write_gcode
+        from v3dcad.toolpath.beads import trace
+        from v3dcad.toolpath.report import LayerReport, findings
 
         settings = settings or PrintSettings()
         check_fits(self.part.bounds, settings)
+        reports: list[LayerReport] = []
+        toolpaths = trace(self.layers, settings, reports.append)
         with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
-            write_gcode(stream, self.trace(settings), settings)
+            totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
+        return Print(totals, reports, findings(reports))
+
+    def _thumbnail(self) -> bytes:
+        from v3dcad.view.picture import draw
+
+        picture = io.BytesIO()
+        draw(self.layers, picture, shown=40, pixels=220)
+        return picture.getvalue()
 
     def write_step(self, path: str | Path) -> None:
         """Write the wires of all layers as STEP, one named compound a layer."""
@@ -135,42 +173,27 @@ class Structure:
         """What the user should know of how the part was read and what was written of it."""
         return list(self.part.findings)
 
-    def report(self) -> dict[str, Any]:
-        """Counts, lengths (mm) and settings, as plain values for JSON."""
-        rows = [_layer_report(layer) for layer in self.layers]
-        return {
-            "part": self.part.name,
-            "size_mm": np.ptp(self.part.bounds, axis=0).tolist(),
-            "findings": list(self.part.findings),
-            "settings": {
-                name: getattr(self.settings, name) for name in FillSettings.__dataclass_fields__
-            },
-            "layers": len(rows),
-            "cells": max(row["cells"] for row in rows),
-            "walls": sum(row["walls"] for row in rows),
-            "wall_length_mm": sum(row["wall_length_mm"] for row in rows),
-            "contour_length_mm": sum(row["contour_length_mm"] for row in rows),
-            "by_layer": rows,
-        }
+    def report(
+        self, printing: PrintSettings | None = None, printed: Print | None = None
+    ) -> dict[str, Any]:
+        """Counts, lengths (mm), settings and certificate as plain values for JSON.
 
-    def write_report(self, path: str | Path) -> None:
-        """Write `report()` as JSON."""
+        `printed` is what `write_gcode` told, for the same print settings.
+        """
+        width = (printing or PrintSettings()).bead_width
+        return report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
+
+    def write_report(
+        self,
+        path: str | Path,
+        printing: PrintSettings | None = None,
+        printed: Print | None = None,
+    ) -> dict[str, Any]:
+        """Write `report()` as JSON, and give it back."""
+        told = self.report(printing, printed)
         with written_beside(Path(path)) as beside:
-            beside.write_text(json.dumps(self.report(), indent=1) + "\n", encoding="utf-8")
-
-
-def _layer_report(layer: Layer) -> dict[str, Any]:
-    diagram = layer.diagram
-    lengths, inner = diagram.lengths(), diagram.inner()
-    return {
-        "layer": layer.index,
-        "z_mm": layer.z,
-        "cells": len(diagram.sites()),
-        "walls": len(diagram.neighbours),
-        "wall_length_mm": float(lengths[inner].sum()),
-        "contour_length_mm": float(lengths[~inner].sum()),
-        "area_per_cell_mm2": layer.area_per_cell,
-    }
+            beside.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        return told
 
 
 def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> Structure:
@@ -191,9 +214,13 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
-    sections = part.sections(layer_heights(float(part.bounds[1, 2]), settings.layer_height))
-    filling = fill_sections(sections, sites, settings)
-    return Structure(part, placement, settings, filling.layers, sites, filling.grid)
+    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    if settings.method == "thesis" and settings.interpolate:
+        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
+        assert isinstance(ends, ThesisFilling)
+        return Structure(part, placement, ends, lofted(ends, heights), sites)
+    filling = fill_sections(part.sections(heights), sites, settings)
+    return Structure(part, placement, filling, filling.layers, sites)
 
 
 def fill(
@@ -243,23 +270,3 @@ def build_recipe(recipe: Recipe, *, verify: bool = True) -> Structure:
                 path=f"{recipe.name}.ont", section="CHECKSUM",
             )  # fmt: skip
     return structure
-
-
-def describe(path: Path) -> dict[str, str]:
-    """What a part or an `.ont` file holds, as lines to show."""
-    if path.suffix.lower() == ".ont":
-        recipe = read_ont(path)
-        part, held = part_of(recipe), told(recipe)
-    else:
-        part = part_from(path)
-        held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
-    low, high = part.bounds
-    corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]
-    return {
-        "name": part.name,
-        **held,
-        "size": " × ".join(f"{value:.6g}" for value in high - low) + " mm",
-        "from, to": f"({corners[0]}), ({corners[1]}) mm",
-        **part.contents(),
-        **{f"note {k}": finding for k, finding in enumerate(part.findings, start=1)},
-    }

@@ -11,7 +11,7 @@ import numpy as np
 from v3dcad.errors import SettingError
 from v3dcad.formats.stl import welded
 from v3dcad.model import Brep, Mesh, Part, Recipe
-from v3dcad.parts import MeshPart, check_readable
+from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings
 
 BOUNDARIES = ("stl", "exact")
@@ -98,9 +98,29 @@ def told(recipe: Recipe) -> dict[str, str]:
         "kind": ".ont",
         "written by": recipe.software or "another program, in the thesis's form",
         "boundary": "triangles" if isinstance(recipe.boundary, Mesh) else "B-rep",
-        "offset": f"{recipe.settings.offset:g} mm² a layer",
+        "offset": f"{float(recipe.settings.offset):g} mm² a layer",
         "layer height": f"{recipe.settings.layer_height:g} mm",
         "sites": f"{recipe.settings.sites}, {scattered}",
         **others,
         "check sum": "none" if recipe.checksum is None else f"{recipe.checksum.sha256[:16]}…",
+    }
+
+
+def describe(path: Path) -> dict[str, str]:
+    """What a part or an `.ont` file holds, as lines to show."""
+    if path.suffix.lower() == ".ont":
+        recipe = read_ont(path)
+        part, held = part_of(recipe), told(recipe)
+    else:
+        part = part_from(path)
+        held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
+    low, high = part.bounds
+    corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]
+    return {
+        "name": part.name,
+        **held,
+        "size": " × ".join(f"{value:.6g}" for value in high - low) + " mm",
+        "from, to": f"({corners[0]}), ({corners[1]}) mm",
+        **part.contents(),
+        **{f"note {k}": finding for k, finding in enumerate(part.findings, start=1)},
     }

@@ -50,7 +50,7 @@ def ont_text(recipe: Recipe, boundary: str) -> str:
 
     `boundary` is "stl" (the thesis's form; the recipe must hold a mesh and sites) or "exact".
     """
-    lines = [f"[{OFFSET}]", number_text(recipe.settings.offset)]
+    lines = [f"[{OFFSET}]", number_text(float(recipe.settings.offset))]
     lines += [f"[{HEIGHT}]", number_text(recipe.settings.layer_height)]
     if recipe.sites is not None:
         lines.append(f"[{SITES}]")
