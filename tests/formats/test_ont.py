@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from recipes import BREP, CHECKSUM, SITES, TETRAHEDRON, algorithm_10, recipe
 
 from v3dcad.errors import FormatError
-from v3dcad.formats import ont
+from v3dcad.formats import ont, ont_settings
 from v3dcad.formats.ont import ont_text, read_ont, recipe_in
 from v3dcad.formats.packing import checked, packed
 from v3dcad.model import Mesh, Recipe
@@ -178,6 +178,11 @@ def test_defaults_of_format_1() -> None:
     usual = FillSettings()
     assert (usual.sites, usual.random_seed) == (40, 0)
     assert (usual.insertion, usual.method) == (True, "continuous")
+    assert (usual.max_overhang, usual.interpolate) == (45, False)
+    assert (usual.boundary_tolerance, usual.weight_step) == (0.01, 0)
+    pinned = {"sites", "random_seed", "insertion", "method", "max_overhang", "interpolate"}
+    pinned |= {"boundary_tolerance", "weight_step", *ont_settings.IN_OWN_SECTIONS}
+    assert set(FillSettings.__dataclass_fields__) == pinned, "pin the new setting's default here"
 
 
 def test_files_of_any_settings_are_told_apart_from_stray_bytes(tmp_path: Path) -> None:
