@@ -23,13 +23,28 @@ MAY_IMPORT = {
     "toolpath": INSIDE | {"toolpath"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "recipes": INSIDE | {"formats", "kernel", "parts"},
+    "ont": INSIDE | {"pipeline", "recipes"},
+    "version": set(),
     "report": INSIDE | {"formats", "structure", "toolpath"},
-    "pipeline": INSIDE | RIM | {"files", "parts", "report", "structure", "toolpath"},
+    "pipeline": INSIDE
+    | RIM
+    | {"files", "parts", "recipes", "report", "structure", "toolpath", "version"},
     "options": {"settings"},
     "commands": INSIDE
-    | {"commands", "files", "formats", "options", "parts", "pipeline", "report", "structure"},
+    | {
+        "commands",
+        "files",
+        "formats",
+        "options",
+        "parts",
+        "pipeline",
+        "recipes",
+        "report",
+        "structure",
+    },
     "cli": {"commands", "errors"},
-    "__init__": INSIDE | {"pipeline", "structure"},
+    "__init__": INSIDE | {"pipeline", "recipes", "structure"},
 }
 
 MODULES = sorted(PACKAGE.rglob("*.py"))

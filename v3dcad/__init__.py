@@ -18,8 +18,9 @@ if TYPE_CHECKING:
         SettingError,
         V3dcadError,
     )
-    from v3dcad.model import Section
+    from v3dcad.model import Recipe, Section
     from v3dcad.pipeline import Structure, build, fill
+    from v3dcad.recipes import read_ont
     from v3dcad.settings import FillSettings, PrintSettings
     from v3dcad.structure.fill import fill_sections
 
@@ -30,6 +31,7 @@ _HOME = {
     "KernelError": "errors",
     "MissingKernelError": "errors",
     "PrintSettings": "settings",
+    "Recipe": "model",
     "Section": "model",
     "SettingError": "errors",
     "Structure": "pipeline",
@@ -37,6 +39,7 @@ _HOME = {
     "build": "pipeline",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
+    "read_ont": "recipes",
 }
 
 __all__ = [
@@ -46,6 +49,7 @@ __all__ = [
     "KernelError",
     "MissingKernelError",
     "PrintSettings",
+    "Recipe",
     "Section",
     "SettingError",
     "Structure",
@@ -53,6 +57,7 @@ __all__ = [
     "build",
     "fill",
     "fill_sections",
+    "read_ont",
 ]
 
 

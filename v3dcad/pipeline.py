@@ -5,18 +5,20 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from v3dcad.errors import SettingError
+from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Diagram, Floats, Layer, Part, Placement, Recipe
-from v3dcad.parts import MeshPart, part_from, read_recipe
+from v3dcad.model import Checksum, Diagram, Floats, Layer, Part, Placement, Recipe
+from v3dcad.parts import MeshPart, part_from
+from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
 from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.structure.checksum import structure_checksum
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -25,6 +27,7 @@ from v3dcad.structure.properties import Properties, properties
 from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
+from v3dcad.version import VERSION
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -40,6 +43,8 @@ class Structure:
     filling: Filling | ThesisFilling
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
+    places: Floats
+    """(n, 2) mm: the sites as they were given or scattered, to the last bit"""
 
     @property
     def settings(self) -> FillSettings:
@@ -76,23 +81,50 @@ class Structure:
         """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
         return properties(self.layers, self.settings.layer_height, bead_width, density)
 
-    def recipe(self) -> Recipe:
-        """What an `.ont` file needs to make this structure again."""
-        sites = np.column_stack([self.sites, np.zeros(len(self.sites))])
+    def recipe(self, boundary: str | None = None) -> Recipe:
+        """What an `.ont` file needs to make this structure again, with its check sum.
+
+        `boundary` is "exact" (the B-rep, or the triangles, to the last bit; sites that the random
+        seed scatters again are left out) or "stl" (the thesis's form: triangles, all sites). By
+        default a B-rep is kept exactly, and triangles as STL. The recipe of a B-rep "as stl" is
+        that of its tessellation.
+        """
+        form = boundary_form(boundary, self.part)
+        if form == "stl" and not isinstance(self.part, MeshPart):
+            mesh = MeshPart(self.part.name, self.part.mesh())
+            tessellated = build(mesh, self.settings, self.places)
+            placement = self.placement.then(tessellated.placement)
+            return replace(tessellated, placement=placement).recipe(form)
+        sites = np.column_stack([self.places, np.zeros(len(self.places))])
         return Recipe(
-            float(self.settings.offset),
-            self.settings.layer_height,
-            sites,
-            self.part.mesh(),
-            self.part.name,
+            name=self.part.name,
+            settings=self.settings,
+            sites=None if form == "exact" and self._scatters_again() else sites,
+            boundary=boundary_of(self.part),
+            placement=self.placement,
+            checksum=self.checksum(),
+            software=f"v3dcad {VERSION}",
         )
 
-    def write_ont(self, path: str | Path) -> None:
-        """Write the structure as `.ont`, the thesis's form; a B-rep's boundary as its mesh."""
+    def _scatters_again(self) -> bool:
+        """Whether settings alone give these sites."""
+        if self.settings.sites != len(self.places):
+            return False
+        again = scatter_sites(self.part.bounds[:, :2], len(self.places), self.settings.random_seed)
+        return np.array_equal(again, self.places)
+
+    def checksum(self) -> Checksum:
+        """The check sum by which the structure is known; goes through all layers."""
+        return structure_checksum(self.layers, self.filling.grid)
+
+    def write_ont(self, path: str | Path, boundary: str | None = None) -> None:
+        """Write the structure as `.ont`; `boundary` as for `recipe`."""
         from v3dcad.formats.ont import ont_text
 
+        form = boundary_form(boundary, self.part)
         with written_beside(Path(path)) as beside:
-            beside.write_text(ont_text(self.recipe()), encoding="utf-8", newline="\n")
+            text = ont_text(self.recipe(form), form)
+            beside.write_text(text, encoding="utf-8", newline="\n")
 
     def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> Print:
         """Write G-code, the part in the middle of the bed, and tell what the print takes.
@@ -139,10 +171,7 @@ class Structure:
 
     def findings(self, written: Collection[str] = ()) -> list[str]:
         """What the user should know of how the part was read and what was written of it."""
-        found = list(self.part.findings)
-        if "ont" in written and not isinstance(self.part, MeshPart):
-            found.append("the .ont file holds the part's tessellation, not its exact surface")
-        return found
+        return list(self.part.findings)
 
     def report(
         self, printing: PrintSettings | None = None, printed: Print | None = None
@@ -189,40 +218,55 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
     if settings.method == "thesis" and settings.interpolate:
         ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
         assert isinstance(ends, ThesisFilling)
-        return Structure(part, placement, ends, lofted(ends, heights))
+        return Structure(part, placement, ends, lofted(ends, heights), sites)
     filling = fill_sections(part.sections(heights), sites, settings)
-    return Structure(part, placement, filling, filling.layers)
+    return Structure(part, placement, filling, filling.layers, sites)
 
 
 def fill(
-    source: Any, *, sites: int | Sequence[Sequence[float]] | Floats | None = None, **settings: Any
+    source: Any,
+    *,
+    sites: int | Sequence[Sequence[float]] | Floats | None = None,
+    verify: bool = True,
+    **settings: Any,
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
-    `source` is a path (STEP, STL, BREP, `.ont`), a shape of build123d, CadQuery or OCP, or a
-    pair (vertices, triangles). `sites` is how many to scatter, or their places (n, 2) in mm,
-    bed coordinates. Further settings are the fields of `FillSettings`. What an `.ont` file
-    says is taken from it, unless given here. Raises `V3dcadError`s that say what to do.
+    `source` is a path (STEP, STL, BREP, `.ont`), a `Recipe`, a shape of build123d, CadQuery or
+    OCP, or a pair (vertices, triangles). `sites` is how many to scatter, or their places (n, 2)
+    in mm, bed coordinates. Further settings are the fields of `FillSettings`. What a recipe
+    says is taken from it, unless given here; where nothing is, the structure must have the
+    recipe's check sum (`verify=False`: need not). Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
-        return _fill_recipe(Path(source), sites, settings)
+        source = read_ont(source)
+    if isinstance(source, Recipe):
+        if sites is not None or settings:
+            source = changed(source, sites, settings)
+        return build_recipe(source, verify=verify)
     if sites is None or isinstance(sites, int):
-        chosen = _settings(settings if sites is None else {**settings, "sites": sites})
+        chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen)
     explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
-    return build(part_from(source), _settings({**settings, "sites": len(explicit)}), explicit)
+    return build(part_from(source), known_settings({**settings, "sites": len(explicit)}), explicit)
 
 
-def _fill_recipe(path: Path, sites: Any, settings: dict[str, Any]) -> Structure:
-    recipe = read_recipe(path)
-    known = {"offset": recipe.offset, "layer_height": recipe.layer_height}
-    if sites is None:
-        sites = recipe.sites[:, :2]
-    return fill(MeshPart(recipe.name, recipe.boundary), sites=sites, **{**known, **settings})
+def build_recipe(recipe: Recipe, *, verify: bool = True) -> Structure:
+    """The structure of a recipe; where a source was moved to the bed, it lies where that lay.
 
-
-def _settings(chosen: dict[str, Any]) -> FillSettings:
-    for name in chosen:
-        if name not in FillSettings.__dataclass_fields__:
-            raise SettingError(name, f"there is no setting {name!r}")
-    return FillSettings(**chosen)
+    Raises `FormatError` where the structure is not the one whose check sum the recipe has,
+    unless `verify` is off; otherwise as `build`.
+    """
+    sites = None if recipe.sites is None else recipe.sites[:, :2]
+    structure = build(part_of(recipe), recipe.settings, sites)
+    structure = replace(structure, placement=recipe.placement.then(structure.placement))
+    if verify and recipe.checksum is not None:
+        differences = structure.checksum().differences(recipe.checksum)
+        if differences:
+            raise FormatError(
+                f"the structure that it makes is not the one that was written: "
+                f"{', '.join(differences)}. Written by {recipe.software}, this is v3dcad "
+                f"{VERSION}; --no-verify (verify=False) takes it as it is",
+                path=f"{recipe.name}.ont", section="CHECKSUM",
+            )  # fmt: skip
+    return structure

@@ -139,6 +139,6 @@ def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
 
 def info(file: Annotated[Path, typer.Argument(help="STEP, STL, BREP or .ont file.")]) -> None:
     """Tell what a part or an .ont file holds."""
-    from v3dcad.parts import describe
+    from v3dcad.recipes import describe
 
     print_rows(describe(file).items())

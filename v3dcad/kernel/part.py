@@ -17,7 +17,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from v3dcad.errors import KernelError
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes
-from v3dcad.model import Floats, Mesh, Placement, Section
+from v3dcad.model import Brep, Floats, Mesh, Placement, Section
 
 TESSELLATION = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -33,6 +33,8 @@ class SolidPart:
     bounds: Floats
     findings: tuple[str, ...] = ()
     """what the user should know of how the file was read"""
+    stored: Brep | None = None
+    """the very bytes that the solids were read from, where they were"""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -45,9 +47,12 @@ class SolidPart:
         }
 
     def placed(self, placement: Placement) -> SolidPart:
-        """The same solids, moved."""
+        """The same solids, moved; bounds move with them, so that placing them again does not."""
+        if placement.is_shift() and not placement.translation.any():
+            return self
         shape = self.shape.Moved(location(placement))
-        return SolidPart(self.name, shape, bounds(shape), self.findings)
+        moved = placement.to_bed(self.bounds) if placement.is_shift() else bounds(shape)
+        return SolidPart(self.name, shape, moved, self.findings)
 
     def sections(self, heights: Floats) -> Sequence[Section]:
         """Sections of the exact surfaces at ascending heights (mm)."""
