@@ -73,15 +73,15 @@ class Structure:
 
     def write_step(self, path: str | Path) -> None:
         """Write the wires of all layers as STEP, one named compound a layer."""
-        from v3dcad.kernel.step import write_step
-        from v3dcad.kernel.wires import layer_wires
+        from v3dcad.kernel.step import Named, write_step
+        from v3dcad.kernel.wires import layer_trails
 
         shapes = (
-            (f"layer {layer.index} z {layer.z:g}", layer_wires(layer, self.placement))
+            Named(f"layer {layer.index} z {layer.z:g}", layer_trails(layer, self.placement))
             for layer in self.layers
         )
         with written_beside(Path(path)) as beside:
-            write_step(shapes, beside, self.part.name)
+            write_step(shapes, beside, self.part.name, curves=True)
 
     def write_png(self, path: str | Path) -> None:
         """Draw the layers in perspective."""
