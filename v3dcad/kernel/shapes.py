@@ -9,7 +9,9 @@ import numpy as np
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
 from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Trsf
+from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
@@ -52,6 +54,20 @@ def bounds(shape: TopoDS_Shape) -> Floats:
             [high.X() - gap, high.Y() - gap, high.Z() - gap],
         ]
     )
+
+
+def volume(shape: TopoDS_Shape) -> float:
+    """Volume of a shape's solids, mm³."""
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
+def area(shape: TopoDS_Shape) -> float:
+    """Area of a shape's faces, mm²; faces that occur twice count twice."""
+    properties = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(shape, properties)
+    return float(properties.Mass())
 
 
 def location(placement: Placement) -> TopLoc_Location:
