@@ -23,6 +23,9 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
+NOTHING, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(7)
+"""Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
+
 
 class Value:
     """Base of the value types: their arrays are seen through read-only views."""
@@ -232,6 +235,11 @@ class Toolpath(Value):
     """(p,) mm/s"""
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
+    feature: Bytes
+    """(p,) CELLS, PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a way already
+    extruded, NOTHING elsewhere"""
+    centre: Floats
+    """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,23 +1,25 @@
-"""Command-line options made from the settings' declarations."""
+"""Command-line options made from the settings' declarations.
+
+An option that is not given is None, so that a profile, an `.ont` file or the default can say.
+"""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from v3dcad.settings import Checked, declared, option
+from v3dcad.settings import Checked, Declared, declared, option
 
-S = TypeVar("S", bound=Checked)
 Command = Callable[..., None]
 
 
 def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
     """Give a command one option for each setting of the classes, in their order.
 
-    The command receives them as keyword arguments; `taken` makes the classes of them.
+    The command receives them as keyword arguments; `given` picks those of one class.
     """
 
     def decorate(command: Command) -> Command:
@@ -27,9 +29,8 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
             for parameter in own.parameters.values()
             if parameter.kind is not inspect.Parameter.VAR_KEYWORD
         ]
-        parameters += [
-            _parameter(cls, name) for cls in classes for name in cls.__dataclass_fields__
-        ]
+        for cls in classes:
+            parameters += [_parameter(cls, name) for name in cls.__dataclass_fields__]
 
         def run(**arguments: Any) -> None:
             command(**arguments)
@@ -45,22 +46,35 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
 
 def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     known = declared(cls, name)
-    help_text = f"{known.help[:-1]} ({known.unit})." if known.unit else known.help
+    default = cls.__dataclass_fields__[name].default
+    kind = get_type_hints(cls)[name]
+    names = [option(name) + ("/--no-" + option(name)[2:] if kind is bool else "")]
     shown = typer.Option(
-        option(name),
-        help=help_text,
-        metavar=known.metavar,
-        rich_help_panel=(cls.__doc__ or "")[:-1],
+        *names,
+        help=f"{known.help[:-1]} ({known.unit})." if known.unit else known.help,
+        metavar="|".join(known.choices) or known.metavar,
+        parser=_number_or_word(known) if known.word else None,
+        show_default="its own" if "\n" in str(default) else str(default),
+        rich_help_panel=(cls.__doc__ or "").split(".")[0],
     )
-    annotation: Any = Annotated[get_type_hints(cls)[name], shown]
+    annotation: Any = Annotated[Any if known.word else kind | None, shown]
     return inspect.Parameter(
-        name,
-        inspect.Parameter.KEYWORD_ONLY,
-        default=cls.__dataclass_fields__[name].default,
-        annotation=annotation,
+        name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation
     )
 
 
-def taken(cls: type[S], arguments: dict[str, Any]) -> S:
-    """The settings of one class out of a command's keyword arguments."""
-    return cls(**{name: arguments[name] for name in cls.__dataclass_fields__})
+def _number_or_word(known: Declared) -> Callable[[str], float | str]:
+    def number(text: str) -> float | str:
+        return text if text == known.word else float(text)
+
+    number.__name__ = f"number|{known.word}"
+    return number
+
+
+def given(cls: type[Checked], arguments: dict[str, Any]) -> dict[str, Any]:
+    """The settings of one class that were given among a command's keyword arguments."""
+    return {
+        name: arguments[name]
+        for name in cls.__dataclass_fields__
+        if arguments.get(name) is not None
+    }

@@ -15,7 +15,7 @@ from v3dcad.files import written_beside
 from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Toolpath
 from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings, PrintSettings
-from v3dcad.structure.fill import fill_sections
+from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.place import layer_heights, on_bed
 from v3dcad.structure.sites import scatter_sites
 
@@ -31,9 +31,14 @@ class Structure:
     """as placed on the bed"""
     placement: Placement
     settings: FillSettings
+    filling: Filling
     layers: Sequence[Layer]
-    sites: Floats
-    """(n, 2) mm"""
+    """computed as they are asked for; gone through as often as one likes"""
+
+    @property
+    def sites(self) -> Floats:
+        """(n, 2) mm: the sites at the base, as snapped to the engine's grid."""
+        return self.filling.sites
 
     def recipe(self) -> Recipe:
         """What an `.ont` file needs to make this structure again."""
@@ -55,7 +60,7 @@ class Structure:
 
     def trace(self, settings: PrintSettings) -> Iterator[Toolpath]:
         """The toolpath of each layer."""
-        from v3dcad.toolpath.trace import trace
+        from v3dcad.toolpath.beads import trace
 
         return trace(self.layers, settings)
 
@@ -154,8 +159,8 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
     sections = part.sections(layer_heights(float(part.bounds[1, 2]), settings.layer_height))
-    layers = fill_sections(sections, sites, settings)
-    return Structure(part, placement, settings, layers, layers.sites)
+    filling = fill_sections(sections, sites, settings)
+    return Structure(part, placement, settings, filling, filling.layers)
 
 
 def fill(

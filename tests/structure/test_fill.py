@@ -58,15 +58,15 @@ def check_laws(diagram: Diagram, section: Section, sites: Floats, weights: Float
 def test_cells_tile_every_layer(count: int, seed: int, offset: float) -> None:
     sites = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
     sections = [Section(0.2 * k, WITH_ALL) for k in (0, 1, 40)]
-    for layer in fill_sections(sections, sites, FillSettings(offset=offset)):
+    for layer in fill_sections(sections, sites, FillSettings(offset=offset)).layers:
         check_laws(layer.diagram, layer.section, layer.state.sites, layer.state.weights)
 
 
 def test_equal_weights_give_voronoi() -> None:
     """Inner vertices of layer 0 are scipy's Voronoi vertices that lie in the section."""
     sites = np.random.default_rng(3).uniform(-20, 20, (80, 2))
-    layer = next(iter(fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings())))
-    voronoi = Voronoi(sites).vertices
+    layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings()).layers[0]
+    voronoi = Voronoi(layer.state.sites).vertices
     expected = voronoi[(np.abs(voronoi) < 20).all(axis=1)]
     degree = np.bincount(layer.diagram.edges.ravel())
     on_contour = np.zeros(len(degree), dtype=bool)
@@ -78,7 +78,9 @@ def test_equal_weights_give_voronoi() -> None:
 
 
 def test_one_site_owns_the_whole_section() -> None:
-    layer = fill_sections([Section(0.0, WITH_ALL)], np.array([[1.0, 2.0]]), FillSettings())[0]
+    layer = fill_sections([Section(0.0, WITH_ALL)], np.array([[1.0, 2.0]]), FillSettings()).layers[
+        0
+    ]
     assert layer.diagram.areas(1)[0] == pytest.approx(area_of(layer.section))
     assert not layer.diagram.inner().any()
     assert len(layer.diagram.neighbours) == len(layer.tree) == 0
@@ -88,7 +90,8 @@ def test_one_site_owns_the_whole_section() -> None:
 def test_weights_are_zero_at_the_base_and_grow_with_height() -> None:
     sites = np.random.default_rng(1).uniform(-20, 20, (30, 2))
     sections = [Section(0.2 * k, (SQUARE,)) for k in range(4)]
-    layers = fill_sections(sections, sites, FillSettings(offset=0.3, layer_height=0.2))
+    settings = FillSettings(offset=0.3, layer_height=0.2, insertion=False)
+    layers = fill_sections(sections, sites, settings).layers
     assert not layers[0].state.weights.any()
     for layer in layers:
         expected = np.where(layer.state.growth > 0, 0.3 * layer.index, 0.0)
@@ -97,7 +100,7 @@ def test_weights_are_zero_at_the_base_and_grow_with_height() -> None:
 
 def test_of_two_sites_joined_by_the_tree_one_grows() -> None:
     sites = np.random.default_rng(2).uniform(-20, 20, (50, 2))
-    layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings())[0]
+    layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings()).layers[0]
     assert len(layer.tree) == 49
     grows = layer.state.growth > 0
     assert (grows[layer.tree[:, 0]] != grows[layer.tree[:, 1]]).all()
@@ -106,7 +109,9 @@ def test_of_two_sites_joined_by_the_tree_one_grows() -> None:
 
 def test_layers_can_be_gone_through_again() -> None:
     sites = np.random.default_rng(2).uniform(-20, 20, (9, 2))
-    layers = fill_sections([Section(0.2 * k, (SQUARE,)) for k in range(3)], sites, FillSettings())
+    layers = fill_sections(
+        [Section(0.2 * k, (SQUARE,)) for k in range(3)], sites, FillSettings()
+    ).layers
     assert len(layers) == 3
     first, again = list(layers), list(layers)
     for one, other in zip(first, again, strict=True):

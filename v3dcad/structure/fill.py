@@ -1,66 +1,220 @@
-"""The layer loop (Algorithm 1 of the thesis): sections and sites to layers."""
+"""Fill sections with power diagrams: the structure's layers, and what they are slices of."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from v3dcad.errors import GeometryError
-from v3dcad.geometry.power_diagram import power_diagram
-from v3dcad.model import Floats, Layer, Section, SiteState
+from v3dcad.errors import GeometryError, SettingError
+from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
+from v3dcad.geometry.kinetics import ALWAYS, logged_struts
+from v3dcad.geometry.tree import spanning_tree
+from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, Triangulation, triangulation
+from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
-from v3dcad.structure.growth import growing, spanning_tree
+from v3dcad.structure.course import Course, Timed, times_of
+from v3dcad.structure.growth import growing
+
+AT_ONCE = 256
+"""Most layers that are computed in one go, and"""
+VERTICES_AT_ONCE = 500_000
+"""about how many vertices: what bounds the memory, whatever the number of layers."""
+
+
+def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Filling:
+    """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
+
+    At z = 0 all weights are 0, and the spanning tree of the sites' Voronoi diagram picks every
+    second of its levels to grow: they gain `settings.offset` mm² of weight a layer, linear in z.
+    Where cells become larger than on the first layer, new ones are born (unless
+    `settings.insertion` is off). Sites on the same grid point are merged, with a warning.
+
+    Raises `GeometryError` for a site or section that cannot be computed with (faulty rings are
+    found when their layer is), `SettingError` for a method that is not there.
+    """
+    if settings.method != "continuous":
+        raise SettingError("method", f"--method {settings.method}: not built yet; use continuous")
+    sites = np.asarray(sites, np.float64).reshape(-1, 2)
+    if not len(sites):
+        raise GeometryError("there are no sites: give at least one")
+    heights = np.array([section.z for section in sections])
+    for layer in np.nonzero(~np.isfinite(heights))[0]:
+        raise GeometryError("its height is not a finite number", layer=int(layer))
+    for layer in np.nonzero(np.diff(heights) <= 0)[0]:
+        raise GeometryError(
+            "it does not lie above the layer before: sort the sections by z", layer=int(layer) + 1
+        )
+    grid = Grid.around(*_bounds(sections, sites))
+    places = grid.snap(sites)
+    kept = np.sort(np.unique(places, axis=0, return_index=True)[1])
+    if len(kept) < len(places):
+        warnings.warn(
+            f"{len(places) - len(kept)} of {len(places)} sites lie on others "
+            f"(within {grid.pitch:.2g} mm) and were merged with them",
+            stacklevel=2,
+        )
+        places = places[kept]
+    return Filling(sections, places, grid, settings)
+
+
+def _bounds(sections: Sequence[Section], sites: Floats) -> tuple[Floats, Floats]:
+    """The box low, high (2,), mm, around all rings and all sites that are finite numbers."""
+    sound = sites[np.isfinite(sites).all(axis=1)]
+    low, high = [sound.min(axis=0, initial=np.inf)], [sound.max(axis=0, initial=-np.inf)]
+    for start in range(0, len(sections), AT_ONCE):
+        chunk = sections[start : start + AT_ONCE]
+        rings = [ring for section in chunk for ring in section.rings]
+        if rings:
+            corners = np.concatenate(rings)
+            if not np.isfinite(corners).all():
+                for layer, section in enumerate(chunk, start):
+                    if not all(np.isfinite(ring).all() for ring in section.rings):
+                        raise GeometryError("its rings are not finite numbers", layer=layer)
+            low.append(corners.min(axis=0))
+            high.append(corners.max(axis=0))
+    return np.min(low, axis=0), np.max(high, axis=0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Layers(Sequence[Layer]):
-    """The layers of a structure, computed as they are asked for."""
+class History(Value):
+    """All that happened on the way up through the layers, in grid units and whole times."""
 
-    sections: Sequence[Section]
-    sites: Floats
-    growth: Floats
-    """(n,) mm² per mm of height"""
+    sites: Timed
+    struts: Ints
+    """(s, 3) points that share a moving vertex: rows of `sites` + 4; below 4, the far sentinels"""
+    spans: Floats
+    """(s, 2) the times at which each strut begins and ends"""
+
+
+class Layers(Sequence[Layer]):
+    """The layers of a filling: made one after the other, and anew for each iteration."""
+
+    def __init__(self, filling: Filling) -> None:
+        self._filling = filling
 
     def __len__(self) -> int:
-        return len(self.sections)
+        return len(self._filling.sections)
 
     def __iter__(self) -> Iterator[Layer]:
-        return (self[index] for index in range(len(self)))
+        return self._filling.climb()
 
     def __getitem__(self, index: int) -> Layer:  # type: ignore[override]
-        """Layer `index`; negative ones count from the top."""
+        """Layer `index` by itself; negative ones count from the top."""
         index = range(len(self))[index]
-        section = self.sections[index]
-        state = SiteState(
-            self.sites, self.growth * section.z, self.growth, np.zeros(len(self.sites))
-        )
-        diagram = power_diagram(self.sites, state.weights, section)
-        areas = diagram.areas(len(self.sites))
-        cells = int(np.count_nonzero(areas > 1e-12 * areas.max(initial=0.0)))
-        return Layer(
-            index=index,
-            section=section,
-            state=state,
-            diagram=diagram,
-            tree=spanning_tree(self.sites, diagram.neighbours),
-            area_per_cell=float(areas.sum()) / max(cells, 1),
-        )
+        return self._filling.slice(self._filling.sections[index], index)
 
 
-def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Layers:
-    """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
+class Filling:
+    """Sections filled with the slices of one power diagram in space.
 
-    At the base all weights are 0; sites on odd levels of the spanning tree of their Voronoi
-    diagram gain `settings.offset` mm² of weight a layer, linear in height. Raises
-    `GeometryError` for a site that is not finite.
+    Sites keep their numbers; newborns get the next ones, in the order of their birth.
     """
-    for site in np.nonzero(~np.isfinite(sites).all(axis=1))[0]:
-        raise GeometryError("its coordinates are not finite numbers", site=int(site))
-    # The spanning tree lies within the sites' hull, so a rectangle around them holds all of it.
-    low, high = sites.min(axis=0) - 1.0, sites.max(axis=0) + 1.0
-    around = Section(0.0, (np.array([low, [high[0], low[1]], high, [low[0], high[1]]]),))
-    whole = power_diagram(sites, np.zeros(len(sites)), around)
-    grows = growing(len(sites), spanning_tree(sites, whole.neighbours))
-    return Layers(sections, sites, np.where(grows, settings.offset / settings.layer_height, 0.0))
+
+    def __init__(
+        self, sections: Sequence[Section], places: Ints, grid: Grid, settings: FillSettings
+    ) -> None:
+        self.sections = sections
+        self.settings = settings
+        self.grid = grid
+        self.growth_step = settings.offset / settings.layer_height
+        """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
+        order = curve_order(places)
+        still = np.zeros(len(places), np.int64)
+        grows = _growing(places, triangulation(places[order], still), order)
+        always = np.full(len(places), ALWAYS)
+        self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
+        self._heights = np.array([section.z for section in sections], np.float64)
+        self._history: History | None = None
+        if (
+            len(sections)
+            and np.abs(times_of(self._heights, self.growth_step, grid)).max() > HEAVIEST
+        ):
+            raise GeometryError(
+                f"a weight of {self.growth_step * self._heights[-1]:g} mm² on the last layer is "
+                f"beyond the safe range of {16 * grid.size**2:g} mm²: lower the offset",
+                site=int(np.argmax(grows)),
+            )
+
+    @property
+    def layers(self) -> Layers:
+        """The layers, one for each section."""
+        return Layers(self)
+
+    @property
+    def sites(self) -> Floats:
+        """The sites at the start (n, 2), mm, as snapped to the grid."""
+        places = np.empty_like(self._start.places)
+        places[self._start.site_of] = self._start.places
+        return self.grid.millimetres(places)
+
+    @property
+    def births(self) -> Ints:
+        """(b, 2) which layer gave birth to which site."""
+        sites = self.history.sites
+        newborn = np.nonzero(sites.born != ALWAYS)[0]
+        times = times_of(self._heights, self.growth_step, self.grid)
+        layers = np.searchsorted(times, sites.born[newborn])
+        return np.column_stack([layers, sites.site_of[newborn]])
+
+    @property
+    def box(self) -> Floats:
+        """The base rectangle: corners (4, 2), mm, of the box around all sections and sites."""
+        low, high = _bounds(self.sections, self.sites)
+        return np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
+
+    @property
+    def history(self) -> History:
+        """What happened on the way up; goes all the way where nobody has yet."""
+        if self._history is None:
+            for _ in self.climb():
+                pass
+        assert self._history is not None
+        return self._history
+
+    def at(self, z: float, section: Section | None = None) -> Diagram:
+        """The diagram at any height z, mm, cut by a section's rings or else the base rectangle."""
+        rings = (self.box,) if section is None else section.rings
+        return self.slice(Section(z, rings), 0).diagram
+
+    def slice(self, section: Section, index: int) -> Layer:
+        """The layer with a given index of any section at any height, computed by itself."""
+        sites = self.history.sites
+        heights = np.array([section.z])
+        time = times_of(heights, self.growth_step, self.grid)[0]
+        alive = int(np.count_nonzero(sites.born <= time))
+        course = Course(self.grid, sites.first(alive), self.growth_step, heights)
+        layer = next(course.run([section], 0, np.inf))
+        return replace(layer, index=index)
+
+    def climb(self) -> Iterator[Layer]:
+        """The layers from the first to the last, one at a time."""
+        sections, full_cell, index = self.sections, np.inf, 0
+        if not sections:
+            nothing = np.empty((0, 3), np.int64)
+            self._history = History(self._start, nothing, np.empty((0, 2)))
+            return
+        course = Course(self.grid, self._start, self.growth_step, self._heights)
+        while index < len(sections):
+            # The first layer by itself: what it has of area per cell is the measure for births.
+            vertices = 2 * len(self._start.places) + sum(map(len, sections[index].rings))
+            some = max(1, min(AT_ONCE, VERTICES_AT_ONCE // vertices)) if index else 1
+            for layer in course.run(sections[index : index + some], index, full_cell):
+                yield layer
+            if index == 0 and self.settings.insertion and self.growth_step > 0:
+                full_cell = layer.area_per_cell or np.inf
+            index += some
+        course.finish()
+        self._history = History(course.sites(), *logged_struts(course.motion))
+
+
+def _growing(places: Ints, mesh: Triangulation, order: Ints) -> NDArray[np.bool_]:
+    """Which sites grow, by the spanning tree of all neighbours in the whole plane."""
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
+    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
+    pairs = np.sort(order[ends], axis=1)
+    return growing(len(places), spanning_tree(places, pairs))

@@ -1,4 +1,4 @@
-"""A power diagram cut by a section: qhull's lifted hull, noded against the rings by GEOS."""
+"""The oracle: a power diagram by qhull's lifted hull, noded against the rings by GEOS."""
 
 from __future__ import annotations
 

@@ -1,0 +1,107 @@
+"""The integer grid that the engine computes on.
+
+2²⁴ steps over the side of a stated square: 60 nm over a metre. Weights are integers in steps².
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, types
+from numpy.typing import NDArray
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.exact import COMPILED
+from v3dcad.model import Floats, Ints
+
+STEPS = 1 << 24
+"""Grid steps over the frame's side."""
+
+HEAVIEST = 1 << 52
+"""Largest |weight| in steps², 16 times the square of the frame's side: up to it weights are exact
+as floats, and cells of the four sentinels (`triangulation.py`) stay out of the frame."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Grid:
+    """A square frame and its grid: the sites' and sections' range."""
+
+    origin: Floats
+    """(2,) mm, the frame's lower left corner"""
+    size: float
+    """mm, the frame's side"""
+
+    @classmethod
+    def around(cls, low: Floats, high: Floats) -> Grid:
+        """The grid of the square that has the box low … high (2,), mm, in its lower left corner.
+
+        A box without extent gets a side that still tells its coordinates apart.
+        """
+        size = float((high - low).max())
+        return cls(np.asarray(low, np.float64), size or max(float(np.abs(low).max()), 1.0))
+
+    @property
+    def pitch(self) -> float:
+        """One grid step, mm."""
+        return self.size / STEPS
+
+    def snap(self, points: Floats) -> Ints:
+        """The grid points (n, 2) nearest to points (n, 2), mm.
+
+        `GeometryError` for one that is not finite or outside the frame.
+        """
+        points = np.asarray(points, np.float64).reshape(-1, 2)
+        _refuse(~np.isfinite(points).all(axis=1), "its coordinates are not finite numbers")
+        scaled = (points - self.origin) / self.pitch
+        outside = ((scaled < -0.5) | (scaled > STEPS + 0.5)).any(axis=1)
+        x, y = self.origin
+        _refuse(
+            outside,
+            f"it lies outside the plane's range, {self.size:g} mm each way from ({x:g}, {y:g}); "
+            "move it into the part's base rectangle",
+        )
+        return np.rint(scaled).astype(np.int64)
+
+    def millimetres(self, points: Ints | Floats) -> Floats:
+        """Grid points (n, 2) in mm."""
+        return np.asarray(self.origin + points * self.pitch, np.float64)
+
+    def snap_weights(self, weights: Floats) -> Ints:
+        """Weights (n,), mm², as whole steps²; `GeometryError` beyond 16 times the frame's area."""
+        weights = np.asarray(weights, np.float64)
+        _refuse(~np.isfinite(weights), "its weight is not a finite number")
+        scaled = weights / self.pitch**2
+        _refuse(
+            np.abs(scaled) > HEAVIEST,
+            f"its weight is beyond the safe range of ±{16 * self.size**2:g} mm²",
+        )
+        return np.rint(scaled).astype(np.int64)
+
+
+def _refuse(faulty: NDArray[np.bool_], message: str) -> None:
+    for site in np.nonzero(faulty)[0]:
+        raise GeometryError(message, site=int(site))
+
+
+@njit(types.int64[::1](types.int64[:, ::1]), **COMPILED)
+def hilbert_keys(points):  # type: ignore[no-untyped-def]
+    """Positions (n,) along a Hilbert curve of grid points (n, 2); distinct for distinct points."""
+    keys = np.empty(len(points), np.int64)
+    for row in range(len(points)):
+        x, y, key, bit = points[row, 0], points[row, 1], 0, STEPS
+        while bit > 0:
+            right, upper = (x & bit) != 0, (y & bit) != 0
+            key = 4 * key + (3 * right ^ upper)
+            if not upper:
+                if right:
+                    x, y = ~x, ~y
+                x, y = y, x
+            bit >>= 1
+        keys[row] = key
+    return keys
+
+
+def curve_order(points: Ints) -> Ints:
+    """The order (n,) of grid points (n, 2) along a Hilbert curve: near points follow each other."""
+    return np.argsort(hilbert_keys(points), kind="stable")

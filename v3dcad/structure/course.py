@@ -1,0 +1,210 @@
+"""A triangulation on its way up through the layers: what surrounds the compiled layer loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
+from v3dcad.geometry.polygon import crossing_segment
+from v3dcad.geometry.tree import empty_tree
+from v3dcad.geometry.triangulation import POINTS, SENTINELS, TRIANGLES, triangulation
+from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.structure.layers import (
+    LAYERS,
+    NEEDS_ROOM,
+    OPEN_WALK,
+    OVERLAPPING,
+    ROOM,
+    STATUS,
+    Rings,
+    Run,
+    run,
+)
+
+FAULTS = {
+    OVERLAPPING: "its rings overlap or run the wrong way round: outer ones must run "
+    "counter-clockwise, holes clockwise",
+    OPEN_WALK: "a ring of its section does not close",
+}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Timed(Value):
+    """Sites whose weights are linear in a whole time, in grid units. Rows are the engine's points:
+    sites along a curve first, newborns after them.
+    """
+
+    places: Ints
+    """(n, 2) grid steps"""
+    base: Ints
+    """(n,) steps²: weight at time 0"""
+    growth: Ints
+    """(n,) steps² per unit of time"""
+    born: Ints
+    """(n,) time of birth, or `ALWAYS`"""
+    site_of: Ints
+    """(n,) site numbers"""
+
+    def first(self, count: int) -> Timed:
+        """The first rows only."""
+        rows = (self.places, self.base, self.growth, self.born, self.site_of)
+        return Timed(*(array[:count] for array in rows))
+
+
+class Course:
+    """The engine at work: where it has got to, and with which sites.
+
+    Time is whole: the weight, in grid steps², that a site of growth 1 has at a height; `rate` is
+    what it gains for each mm.
+    """
+
+    def __init__(self, grid: Grid, sites: Timed, growth_step: float, heights: Floats) -> None:
+        """Stand at the first of ascending heights (k,), mm, ready to go to the last."""
+        self.grid = grid
+        self.growth_step = growth_step
+        self.heights = heights
+        self.times = times_of(heights, growth_step, grid)
+        self._curve = sites.site_of
+        first, last = int(self.times[0]), int(self.times[-1])
+        self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
+        growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
+        self.motion = motion_of(self.mesh, growth, first, last)
+        self._tree = empty_tree(0, 0)
+        self.motion.born[SENTINELS:] = sites.born
+
+    def sites(self) -> Timed:
+        """All sites up to now, newborns among them."""
+        count = int(self.mesh.count[POINTS]) - SENTINELS
+        rows = slice(SENTINELS, SENTINELS + count)
+        site_of = np.arange(count)
+        site_of[: len(self._curve)] = self._curve
+        return Timed(
+            self.mesh.points[rows, :2].copy(),
+            self.motion.base[rows].copy(),
+            self.motion.growth[rows].copy(),
+            self.motion.born[rows].copy(),
+            site_of,
+        )
+
+    def run(self, sections: Sequence[Section], index: int, full_cell: float) -> Iterator[Layer]:
+        """The layers of sections whose first has an index among the heights.
+
+        Births are given where the area per cell is above `full_cell`, mm². Raises `GeometryError`
+        for a section that cannot be filled.
+        """
+        rings = rings_of(sections)
+        _refuse_crossings(rings, index)
+        done = 0
+        while done < len(sections):
+            made = self._run_once(_rest(rings, done), index + done, full_cell)
+            fault = int(made.outcome[STATUS])
+            if fault == NEEDS_ROOM:
+                self.mesh, self.motion = with_room(
+                    self.mesh, self.motion, int(made.outcome[ROOM]) + len(self._curve) // 4 + 1
+                )
+            yield from self._layers(made, sections[done:], index + done)
+            done += int(made.outcome[LAYERS])
+            if fault in FAULTS:
+                raise GeometryError(FAULTS[fault], layer=index + done)
+
+    def finish(self) -> None:
+        """Log the triangles that are left as ended here."""
+        triangles = int(self.mesh.count[TRIANGLES])
+        if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
+            self.mesh, self.motion = with_room(self.mesh, self.motion, triangles)
+        end_all(self.mesh, self.motion)
+
+    def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
+        room, count = len(self.mesh.points), int(self.mesh.count[POINTS])
+        site_of = np.arange(room) - SENTINELS
+        site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
+        places = np.empty((room, 2), np.int64)
+        places[site_of[SENTINELS:count]] = self.mesh.points[SENTINELS:count, :2]
+        if len(self._tree.first) != 3 * len(self.mesh.triangles):
+            self._tree = empty_tree(room, 3 * len(self.mesh.triangles))
+        left, low = self.grid.origin
+        times = self.times[index : index + len(rings.layers) - 1]
+        reach = self.growth_step / 2 / self.grid.pitch
+        made: Run = run(
+            self.mesh,
+            self.motion,
+            self._tree,
+            site_of,
+            places,
+            rings,
+            times,
+            float(left),
+            float(low),
+            self.grid.pitch,
+            reach,
+            full_cell,
+        )
+        return made
+
+    def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
+        """The layers of a run, as views of its arrays."""
+        grid, everyone = self.grid, self.sites()
+        point_of = np.argsort(everyone.site_of, kind="stable")
+        places = grid.millimetres(everyone.places)[point_of]
+        base, growth = everyone.base[point_of], everyone.growth[point_of]
+        speed = growth * self.growth_step
+        layer_of = np.searchsorted(self.times, everyone.born)
+        born_at = np.where(everyone.born == ALWAYS, 0.0, self.heights[layer_of])[point_of]
+        vertices, graph = made.vertices, -1
+        for layer in range(int(made.outcome[LAYERS])):
+            if made.graphs[layer] != graph:
+                graph = int(made.graphs[layer])
+                edges = _piece(made.edges, made.edge_rows, graph)
+                sites = _piece(made.sites, made.edge_rows, graph)
+                neighbours = _piece(made.neighbours, made.neighbour_rows, graph)
+                tree = _piece(made.tree, made.tree_rows, graph)
+            count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
+            time = self.times[index + layer]
+            weights = (base[:count] + growth[:count] * time) * grid.pitch**2
+            yield Layer(
+                index + layer,
+                sections[layer],
+                SiteState(places[:count], weights, speed[:count], born_at[:count]),
+                Diagram(_piece(vertices, made.vertex_rows, layer), edges, sites, neighbours),
+                tree,
+                float(made.areas[layer]) / max(cells, 1),
+            )
+
+
+def times_of(heights: Floats, growth_step: float, grid: Grid) -> Ints:
+    """The whole times of heights (k,), mm."""
+    return np.rint(heights * (growth_step / grid.pitch**2)).astype(np.int64)
+
+
+def rings_of(sections: Sequence[Section]) -> Rings:
+    """The rings of sections as long arrays."""
+    rings = [ring for section in sections for ring in section.rings]
+    layers = np.cumsum([0, *(len(section.rings) for section in sections)])
+    starts = np.cumsum([0, *map(len, rings)])
+    corners = np.concatenate(rings) if rings else np.empty((0, 2))
+    return Rings(np.ascontiguousarray(corners, np.float64), starts, layers)
+
+
+def _rest(rings: Rings, layers: int) -> Rings:
+    return rings._replace(layers=rings.layers[layers:])
+
+
+def _piece(rows: Ints, starts: Ints, part: int) -> Ints:
+    return rows[starts[part] : starts[part + 1]]
+
+
+def _refuse_crossings(rings: Rings, index: int) -> None:
+    """Raise `GeometryError` for the first layer whose rings cross."""
+    segment = crossing_segment(rings.corners, rings.starts, rings.layers)
+    if segment >= 0:
+        x, y = rings.corners[segment]
+        layer = int(np.searchsorted(rings.starts[rings.layers], segment, side="right")) - 1
+        raise GeometryError(
+            f"its rings cross themselves or each other near ({x:g}, {y:g}) mm: repair the part",
+            layer=index + layer,
+        )
