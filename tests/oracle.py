@@ -1,9 +1,11 @@
-"""The oracle: a power diagram by qhull's lifted hull, noded against the rings by GEOS."""
+"""Power diagrams by qhull and GEOS: slow, simple, and nothing in common with the engine."""
 
 from __future__ import annotations
 
 import numpy as np
 import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import ConvexHull, KDTree
 
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Section
@@ -84,3 +86,99 @@ def _owner(sites: Floats, weights: Floats, points: Floats) -> Ints:
     heights = np.sqrt(weights.max() - weights)
     tree = KDTree(np.column_stack([sites, heights]))
     return np.asarray(tree.query(np.column_stack([points, np.zeros(len(points))]))[1])
+
+
+def area_of(section):
+    """The section as a shapely area (even-odd over its rings)."""
+    rings = [shapely.linestrings(np.vstack([ring, ring[:1]])) for ring in section.rings]
+    return shapely.build_area(shapely.multilinestrings(rings))
+
+
+def power_edges(sites, weights):
+    """Pairs (m, 2) and edges (m, 2, 2) of a whole power diagram: the lifted sites' lower hull.
+
+    Four far sites keep the edges finite.
+    """
+    centre, size = sites.mean(axis=0), np.ptp(sites, axis=0).max() + np.sqrt(np.ptp(weights)) + 1e-9
+    far = centre + 50 * size * np.array([[-1.0, -1.1], [1.2, -1.0], [1.0, 1.3], [-1.1, 1.0]])
+    x, y = (np.vstack([sites, far]) - centre).T
+    lifted = x * x + y * y - np.concatenate([weights, np.full(4, weights.min())])
+    hull = ConvexHull(np.column_stack([x, y, lifted]))
+    lower = np.nonzero(hull.equations[:, 2] < 0)[0]
+    number = np.full(len(hull.simplices), -1)
+    number[lower] = np.arange(len(lower))
+    corners, normal = hull.simplices[lower], hull.equations[lower]
+    vertices = centre - normal[:, :2] / (2 * normal[:, 2:3])
+    across = number[hull.neighbors[lower]]
+    pairs, edges = [], []
+    for k in range(3):
+        own = np.nonzero(across[:, k] > np.arange(len(lower)))[0]
+        pairs.append(np.sort(corners[own][:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
+        edges.append(np.stack([vertices[own], vertices[across[own, k]]], axis=1))
+    pairs, edges = np.concatenate(pairs), np.concatenate(edges)
+    inner = pairs[:, 1] < len(sites)
+    return pairs[inner], edges[inner]
+
+
+def cut_edges(sites, weights, section):
+    """Neighbours (m, 2) and their edges inside a section, as shapely lines."""
+    area = area_of(section)
+    shapely.prepare(area)
+    pairs, edges = power_edges(sites, weights)
+    lines = shapely.linestrings(edges)
+    whole = shapely.contains_properly(area, lines)
+    cut = np.where(whole, lines, None)
+    cut[~whole] = shapely.intersection(area, lines[~whole])
+    kept = shapely.length(cut) > 0
+    return pairs[kept], cut[kept]
+
+
+def spanning_tree(sites, pairs):
+    """The minimum spanning tree's pairs."""
+    lengths = np.hypot(*(sites[pairs[:, 0]] - sites[pairs[:, 1]]).T)
+    graph = coo_array((lengths, pairs.T), (len(sites), len(sites))).tocsr()
+    tree = minimum_spanning_tree(graph).tocoo()
+    return np.sort(np.column_stack([tree.row, tree.col]), axis=1)
+
+
+def layer(sites, weights, section):
+    """What the engine makes of a layer, the slow way: neighbours, edges, tree."""
+    pairs, lines = cut_edges(sites, weights, section)
+    return pairs, shapely.get_coordinates(lines), spanning_tree(sites, pairs)
+
+
+def cells(sites, weights, section):
+    """Each site's part of the section, as shapely areas: half-planes against all other sites."""
+    area = area_of(section)
+    low, high = np.reshape(shapely.bounds(area), (2, 2))
+    reach = (high - low).max()
+    frame = [low - reach, (high[0] + reach, low[1] - reach), high + reach]
+    frame.append((low[0] - reach, high[1] + reach))
+    found = []
+    for i in range(len(sites)):
+        polygon = np.array(frame)
+        for j in range(len(sites)):
+            if i == j or not len(polygon):
+                continue
+            normal = sites[j] - sites[i]
+            bound = (sites[j] @ sites[j] - sites[i] @ sites[i] - weights[j] + weights[i]) / 2
+            polygon = _half_plane(polygon, bound - polygon @ normal)
+        found.append(
+            shapely.intersection(shapely.polygons(polygon), area)
+            if len(polygon) > 2
+            else shapely.Polygon()
+        )
+    return found
+
+
+def _half_plane(polygon, height):
+    """The part of a convex polygon where height (per corner) is not negative."""
+    kept = []
+    for k in range(len(polygon)):
+        after = (k + 1) % len(polygon)
+        if height[k] >= 0:
+            kept.append(polygon[k])
+        if (height[k] >= 0) != (height[after] >= 0):
+            share = height[k] / (height[k] - height[after])
+            kept.append(polygon[k] + share * (polygon[after] - polygon[k]))
+    return np.array(kept).reshape(-1, 2)

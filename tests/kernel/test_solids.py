@@ -10,12 +10,12 @@ from build123d import Axis, Box, Cylinder, Pos, fillet
 from occt import area_of, distinct, faces_of, is_valid, occurrences, solids_of, volume_of
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopoDS import TopoDS_Shape
+from oracle import power_diagram
 from walls_oracle import power_walls
 
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.geometry.convex import inset_cells
 from v3dcad.geometry.facets import Facets
-from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.kernel.shapes import compound
 from v3dcad.kernel.solids import cut_cells, cut_walls, thick_walls
 from v3dcad.model import Floats, Placement, Section

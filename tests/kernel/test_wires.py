@@ -13,9 +13,9 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Ellipse
 from OCP.TopAbs import TopAbs_VERTEX
 from OCP.TopoDS import TopoDS
+from oracle import power_diagram
 
 from v3dcad.geometry.contours import contours
-from v3dcad.geometry.power_diagram import power_diagram
 from v3dcad.kernel.wires import layer_trails, layer_wires
 from v3dcad.model import Floats, Layer, Placement, Run, Section, SiteState
 

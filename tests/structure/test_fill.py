@@ -1,127 +1,295 @@
-"""Laws of a filled stack of sections, on made-up sections."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial import Voronoi
 
-from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.errors import GeometryError
-from v3dcad.model import Diagram, Floats
+from tests import oracle
+from v3dcad.errors import GeometryError, SettingError
+from v3dcad.geometry.cells import cells
+from v3dcad.model import OUTSIDE, Section
+from v3dcad.settings import FillSettings
+from v3dcad.structure.fill import fill_sections
 
-SQUARE = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
-HOLE = np.array([[-6.0, -5], [-5, 7], [6, 5], [5, -6]])
-ISLAND = np.array([[24.0, -3], [30, -3], [30, 3], [24, 3]])
-WITH_ALL = (SQUARE, HOLE, ISLAND)
-
-
-def area_of(section: Section) -> float:
-    """By the shoelace formula, ring by ring."""
-    total = 0.0
-    for ring in section.rings:
-        x, y = ring.T
-        total += (x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
-    return total
-
-
-def check_laws(diagram: Diagram, section: Section, sites: Floats, weights: Floats) -> None:
-    areas = diagram.areas(len(sites))
-    assert areas.sum() == pytest.approx(area_of(section), rel=1e-9)
-    assert (areas > -1e-9 * area_of(section)).all()
-    ends = np.sort(diagram.edges, axis=1)
-    assert len(np.unique(ends, axis=0)) == len(ends), "an edge stands there twice"
-    assert (diagram.edge_sites[:, 0] < diagram.edge_sites[:, 1]).all()
-    inner = diagram.inner()
-    for points in np.moveaxis(diagram.vertices[diagram.edges[inner]], 1, 0):
-        power = ((points[:, None] - sites[None]) ** 2).sum(axis=2) - weights
-        first, second = diagram.edge_sites[inner].T
-        rows = np.arange(len(points))
-        scale = np.abs(power).max(initial=1.0)
-        assert np.abs(power[rows, first] - power[rows, second]).max(initial=0.0) <= 1e-9 * scale
-        assert (power[rows, first] - power.min(axis=1)).max(initial=0.0) <= 1e-9 * scale
-    rings = shapely.boundary(
-        shapely.build_area(
-            shapely.multilinestrings(
-                [shapely.linestrings(np.vstack([ring, ring[:1]])) for ring in section.rings]
-            )
-        )
-    )
-    contour = diagram.lengths()[~inner].sum()
-    assert contour == pytest.approx(rings.length, rel=1e-9)
+SQUARE = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
+HOLE = np.array([[3.0, 3], [3, 6], [6.5, 6], [6, 3]])
+FAR = np.array([[12.0, 2], [14, 2], [14, 9], [12, 9]])
+NOTCHED = np.array([[0.0, 0], [10, 0], [10, 10], [5, 2], [0, 10]])
+TINY = np.array([[1.0, 1], [1.1, 1], [1, 1.1]])
+SECTIONS = {
+    "square": (SQUARE,),
+    "hole": (SQUARE, HOLE),
+    "islands": (SQUARE, HOLE, FAR),
+    "notched": (NOTCHED,),
+    "in one cell": (TINY,),
+    "hole in one cell": (SQUARE, TINY[::-1]),
+    "island in hole": (SQUARE, HOLE, HOLE[::-1] * 0.5 + 2.3),
+}
 
 
-@given(st.integers(1, 60), st.integers(0, 10_000), st.floats(0, 3))
-def test_cells_tile_every_layer(count: int, seed: int, offset: float) -> None:
-    sites = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
-    sections = [Section(0.2 * k, WITH_ALL) for k in (0, 1, 40)]
-    for layer in fill_sections(sections, sites, FillSettings(offset=offset)).layers:
-        check_laws(layer.diagram, layer.section, layer.state.sites, layer.state.weights)
+def stack(rings, layers=12, height=0.5):
+    return [Section(height * k, rings) for k in range(layers)]
 
 
-def test_equal_weights_give_voronoi() -> None:
-    """Inner vertices of layer 0 are scipy's Voronoi vertices that lie in the section."""
-    sites = np.random.default_rng(3).uniform(-20, 20, (80, 2))
-    layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings()).layers[0]
-    voronoi = Voronoi(layer.state.sites).vertices
-    expected = voronoi[(np.abs(voronoi) < 20).all(axis=1)]
-    degree = np.bincount(layer.diagram.edges.ravel())
-    on_contour = np.zeros(len(degree), dtype=bool)
-    on_contour[layer.diagram.edges[~layer.diagram.inner()]] = True
-    found = layer.diagram.vertices[~on_contour]
-    assert len(found) == len(expected)
-    order, wanted = np.lexsort(found.T), np.lexsort(expected.T)
-    assert found[order] == pytest.approx(expected[wanted], abs=1e-9)
+@st.composite
+def site_sets(draw):
+    """Random, on a small grid (cocircular, on the rings' corners and sides), or collinear."""
+    kind = draw(st.sampled_from(["random", "grid", "line", "few"]))
+    count = draw(st.integers(1, 3) if kind == "few" else st.integers(4, 40))
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    if kind == "grid":
+        sites = rng.integers(0, 11, (count, 2)).astype(float)
+    elif kind == "line":
+        sites = np.column_stack([rng.random(count) * 10, np.full(count, 5.0)])
+    else:
+        sites = rng.random((count, 2)) * 10
+    return np.unique(sites, axis=0)
 
 
-def test_one_site_owns_the_whole_section() -> None:
-    layer = fill_sections([Section(0.0, WITH_ALL)], np.array([[1.0, 2.0]]), FillSettings()).layers[
-        0
+def laws(layer, tolerance=1e-9):
+    """Tiling, sides, equidistance in power: what every layer's diagram must fulfil."""
+    diagram, state = layer.diagram, layer.state
+    area = oracle.area_of(layer.section)
+    size = np.ptp(np.concatenate(layer.section.rings), axis=0).max()
+    areas = diagram.areas(len(state.sites))
+    assert abs(areas.sum() - area.area) <= tolerance * area.area
+    assert areas.min() >= -tolerance * area.area
+    found = oracle.cells(state.sites, state.weights, layer.section)
+    np.testing.assert_allclose(areas, shapely.area(found), atol=tolerance * size**2, rtol=0)
+    i, j = diagram.edge_sites.T
+    assert (i < j).all()
+    inner = i != OUTSIDE
+    ends = diagram.vertices[diagram.edges[inner]]
+    power = [
+        ((ends - state.sites[k[inner]][:, None]) ** 2).sum(axis=2)
+        - state.weights[k[inner]][:, None]
+        for k in (i, j)
     ]
-    assert layer.diagram.areas(1)[0] == pytest.approx(area_of(layer.section))
-    assert not layer.diagram.inner().any()
-    assert len(layer.diagram.neighbours) == len(layer.tree) == 0
-    assert layer.area_per_cell == pytest.approx(area_of(layer.section))
+    np.testing.assert_allclose(power[0], power[1], atol=tolerance * size**2, rtol=0)
+    boundary = shapely.boundary(area)
+    lying = shapely.distance(boundary, shapely.points(diagram.vertices[diagram.edges[~inner]]))
+    assert lying.max() <= tolerance * size
+    length = diagram.lengths()[~inner].sum()
+    assert abs(length - boundary.length) <= tolerance * boundary.length
+    rings = cells(diagram)
+    per_ring = [_area(rings.ring(k, diagram)) for k in range(len(rings.sites))]
+    np.testing.assert_allclose(
+        np.bincount(rings.sites, per_ring, len(areas)), areas, atol=tolerance * size**2
+    )
+    assert len(np.unique(diagram.edges.ravel())) == len(diagram.vertices)
 
 
-def test_weights_are_zero_at_the_base_and_grow_with_height() -> None:
-    sites = np.random.default_rng(1).uniform(-20, 20, (30, 2))
-    sections = [Section(0.2 * k, (SQUARE,)) for k in range(4)]
-    settings = FillSettings(offset=0.3, layer_height=0.2, insertion=False)
-    layers = fill_sections(sections, sites, settings).layers
-    assert not layers[0].state.weights.any()
+def _area(ring):
+    x, y = (ring - ring[0]).T
+    return (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2
+
+
+@given(site_sets(), st.sampled_from(sorted(SECTIONS)), st.sampled_from([0.0, 0.05, 1.0]))
+def test_layers_obey_the_laws(sites, name, offset):
+    sections = stack(SECTIONS[name])
+    filling = fill_sections(sections, sites, FillSettings(offset=offset, layer_height=0.5))
+    for layer in list(filling.layers)[::5]:
+        laws(layer)
+
+
+@given(site_sets(), st.sampled_from(sorted(SECTIONS)))
+def test_tree_is_a_minimum_spanning_tree_of_the_neighbours(sites, name):
+    filling = fill_sections(
+        stack(SECTIONS[name]), sites, FillSettings(offset=0.3, layer_height=0.5)
+    )
+    for layer in filling.layers:
+        ends = layer.state.sites[layer.tree]
+        theirs = oracle.spanning_tree(layer.state.sites, layer.diagram.neighbours)
+        assert len(layer.tree) == len(theirs)
+        ours = np.hypot(*(ends[:, 0] - ends[:, 1]).T).sum()
+        best = layer.state.sites[theirs]
+        assert ours == pytest.approx(np.hypot(*(best[:, 0] - best[:, 1]).T).sum(), rel=1e-12)
+
+
+def fingerprint(diagram, names=None):
+    """The diagram as a set of named inner edges, independent of all numbering."""
+    inner = diagram.inner()
+    pairs = diagram.edge_sites[inner]
+    pairs = pairs if names is None else np.sort(names[pairs], axis=1)
+    ends = diagram.vertices[diagram.edges[inner]]
+    middle, length = ends.mean(axis=1), diagram.lengths()[inner]
+    real = length > 1e-9
+    rows = np.column_stack([pairs, np.rint(middle * 1e7), np.rint(length * 1e7)])[real]
+    return rows[np.lexsort(rows.T[::-1])]
+
+
+@given(site_sets(), st.sampled_from(sorted(SECTIONS)), st.integers(0, 10**6))
+def test_order_of_the_sites_does_not_matter(sites, name, seed):
+    names = np.random.default_rng(seed).permutation(len(sites))
+    settings = FillSettings(offset=0.0, layer_height=0.5)
+    one = fill_sections(stack(SECTIONS[name], 1), sites, settings)
+    other = fill_sections(stack(SECTIONS[name], 1), sites[names], settings)
+    a, b = fingerprint(one.layers[0].diagram), fingerprint(other.layers[0].diagram, names)
+    np.testing.assert_array_equal(a, b)
+
+
+@given(site_sets(), st.sampled_from(["square", "hole", "notched"]))
+def test_a_layer_by_itself_is_the_layer_on_the_way_up(sites, name):
+    filling = fill_sections(
+        stack(SECTIONS[name], 30), sites, FillSettings(offset=0.4, layer_height=0.5)
+    )
+    for layer in list(filling.layers)[::7]:
+        alone = filling.layers[layer.index]
+        a, b = fingerprint(layer.diagram), fingerprint(alone.diagram)
+        assert len(a) == len(b)
+        np.testing.assert_allclose(a, b, atol=2)  # 2e-7 mm: the rounding of the fingerprint
+        assert alone.area_per_cell == pytest.approx(layer.area_per_cell)
+
+
+@given(site_sets(), st.sampled_from(["square", "hole"]), st.sampled_from([1e-6, 1e-3, 1e6]))
+def test_scale_does_not_matter(sites, name, scale):
+    one = fill_sections(stack(SECTIONS[name], 4), sites, FillSettings(offset=0.4, layer_height=0.5))
+    rings = tuple(ring * scale for ring in SECTIONS[name])
+    settings = FillSettings(offset=0.4 * scale**2, layer_height=0.5 * scale)
+    other = fill_sections(stack(rings, 4, 0.5 * scale), sites * scale, settings)
+    for a, b in zip(one.layers, other.layers, strict=True):
+        n = len(a.state.sites)
+        np.testing.assert_allclose(
+            a.diagram.areas(n), b.diagram.areas(n) / scale**2, atol=1e-4
+        )  # grid steps round differently by one
+
+
+def test_births_start_empty_and_grow_without_a_jump():
+    sites = np.random.default_rng(3).random((60, 2)) * 10
+    filling = fill_sections(
+        stack((SQUARE,), 200, 0.1), sites, FillSettings(offset=0.02, layer_height=0.1)
+    )
+    layers = list(filling.layers)
+    births = filling.births
+    assert len(births) > 5
+    areas = np.zeros((len(layers), 60 + len(births)))
     for layer in layers:
-        expected = np.where(layer.state.growth > 0, 0.3 * layer.index, 0.0)
-        assert layer.state.weights == pytest.approx(expected)
+        state = layer.state
+        areas[layer.index, : len(state.sites)] = layer.diagram.areas(len(state.sites))
+    for layer, site in births:
+        assert layers[layer].state.born_at[site] == pytest.approx(layers[layer].z)
+        assert len(layers[layer - 1].state.sites) <= site < len(layers[layer].state.sites)
+        assert abs(areas[layer, site]) < 1e-9 * 100 / 60
+    # They grow as the square of the weight gained: next to nothing at first.
+    for layer, site in births[births[:, 0] < 199]:
+        assert areas[layer + 1, site] < 0.01 * 100 / 60
+        assert np.abs(np.diff(areas[layer:, site])).max() < 0.1 * 100 / 60
+    # Cells are convex in space: the dead never return.
+    alive = areas > 1e-9
+    for site in range(areas.shape[1]):
+        was = np.nonzero(alive[:, site])[0]
+        assert len(was) == 0 or len(was) == was[-1] - was[0] + 1
+    without = fill_sections(
+        stack((SQUARE,), 200, 0.1),
+        sites,
+        FillSettings(offset=0.02, layer_height=0.1, insertion=False),
+    )
+    assert not len(without.births)
+    assert layers[-1].area_per_cell < list(without.layers)[-1].area_per_cell
 
 
-def test_of_two_sites_joined_by_the_tree_one_grows() -> None:
-    sites = np.random.default_rng(2).uniform(-20, 20, (50, 2))
-    layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings()).layers[0]
-    assert len(layer.tree) == 49
-    grows = layer.state.growth > 0
-    assert (grows[layer.tree[:, 0]] != grows[layer.tree[:, 1]]).all()
-    assert not grows[0], "the root stays"
+@pytest.mark.parametrize("insertion", [True, False])
+def test_facets_sliced_are_the_layers_edges(insertion):
+    sites = np.random.default_rng(5).random((50, 2)) * 10
+    settings = FillSettings(offset=0.05, layer_height=0.1, insertion=insertion)
+    filling = fill_sections(stack((SQUARE,), 60, 0.1), sites, settings)
+    walls = filling.walls
+    heights = [*(layer.z for layer in list(filling.layers)[1:-1:9]), 0.123, 3.3456789]
+    for z in heights:
+        which, segments = walls.slice(z)
+        diagram = filling.at(z)
+        inner = diagram.inner() & (diagram.lengths() > 1e-9)
+        assert np.hypot(*(segments[:, 0] - segments[:, 1]).T).sum() == pytest.approx(
+            diagram.lengths()[inner].sum(), rel=1e-9
+        )
+        edges = {
+            tuple(pair): ends
+            for pair, ends in zip(
+                diagram.edge_sites[inner], diagram.vertices[diagram.edges[inner]], strict=True
+            )
+        }
+        for facet, segment in zip(which, segments, strict=True):
+            if np.hypot(*(segment[1] - segment[0])) < 1e-8:
+                continue
+            ends = edges[tuple(walls.sites[facet])]
+            apart = min(np.abs(segment - ends).max(), np.abs(segment - ends[::-1]).max())
+            assert apart < 1e-8
+    growth = filling.history.sites.by_site().growth * 0.5
+    places = filling.grid.millimetres(filling.history.sites.by_site().places)
+    for f in range(0, len(walls.tilts), 7):
+        corners = walls.points[walls.starts[f] : walls.starts[f + 1]]
+        i, j = walls.sites[f]
+        normal = np.array([*(places[j] - places[i]), (growth[j] - growth[i]) / 2])
+        flat = (corners - corners[0]) @ (normal / np.linalg.norm(normal))
+        assert np.abs(flat).max() < 1e-8
+        assert np.tan(np.radians(walls.tilts[f])) == pytest.approx(
+            abs(normal[2]) / np.hypot(*normal[:2]), abs=1e-12
+        )
+    axes = filling.strut_axes
+    assert len(axes.sites)
+    assert (axes.ends[:, 1, 2] > axes.ends[:, 0, 2]).all()
+    assert (axes.ends[:, :, :2] > -1e-9).all()
+    assert (axes.ends[:, :, :2] < 10 + 1e-9).all()
 
 
-def test_layers_can_be_gone_through_again() -> None:
-    sites = np.random.default_rng(2).uniform(-20, 20, (9, 2))
-    layers = fill_sections(
-        [Section(0.2 * k, (SQUARE,)) for k in range(3)], sites, FillSettings()
-    ).layers
-    assert len(layers) == 3
-    first, again = list(layers), list(layers)
-    for one, other in zip(first, again, strict=True):
-        assert np.array_equal(one.diagram.vertices, other.diagram.vertices)
-        assert np.array_equal(one.diagram.edge_sites, other.diagram.edge_sites)
+def test_layers_can_be_iterated_again_and_do_not_depend_on_chunks(monkeypatch):
+    sites = np.random.default_rng(5).random((30, 2)) * 10
+    settings = FillSettings(offset=0.2, layer_height=0.5)
+    filling = fill_sections(stack((SQUARE,), 40), sites, settings)
+    first = list(filling.layers)
+    assert len(filling.layers) == 40
+    monkeypatch.setattr("v3dcad.structure.fill.AT_ONCE", 3)
+    for a, b in zip(first, filling.layers, strict=True):
+        np.testing.assert_array_equal(a.diagram.vertices, b.diagram.vertices)
+        np.testing.assert_array_equal(a.diagram.edges, b.diagram.edges)
+        np.testing.assert_array_equal(a.tree, b.tree)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_a_site_that_is_no_number_is_named(bad: float) -> None:
-    sites = np.array([[0.0, 0.0], [1.0, bad]])
-    with pytest.raises(GeometryError, match="site 1") as caught:
-        fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings())
+def test_duplicates_are_merged_with_a_warning():
+    sites = np.array([[1.0, 1], [2, 2], [1, 1], [2, 2], [8, 3]])
+    with pytest.warns(UserWarning, match="2 of 5 sites"):
+        filling = fill_sections(stack((SQUARE,)), sites, FillSettings())
+    assert len(filling.sites) == 3
+
+
+@pytest.mark.parametrize(("site", "words"), [((np.nan, 1.0), "finite"), ((np.inf, 1.0), "finite")])
+def test_faulty_sites_are_named(site, words):
+    with pytest.raises(GeometryError, match=words) as caught:
+        fill_sections(stack((SQUARE,)), np.array([[1.0, 1], site]), FillSettings())
     assert caught.value.site == 1
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [
+        np.array([[0.0, 0], [10, 10], [10, 0], [0, 9]]),
+        SQUARE[::-1],
+        np.array([[np.nan, 0], [10, 0], [10, 10]]),
+    ],
+)
+def test_faulty_sections_are_named(ring):
+    sections = stack((SQUARE,), 6)
+    sections[4] = Section(2.0, (ring,))
+    with pytest.raises(GeometryError, match="layer 4"):
+        list(fill_sections(sections, np.ones((1, 2)), FillSettings()).layers)
+
+
+def test_settings_that_cannot_be():
+    with pytest.raises(SettingError, match="not built yet"):
+        fill_sections(stack((SQUARE,)), np.ones((1, 2)), FillSettings(method="thesis"))
+    with pytest.raises(GeometryError, match="at least one"):
+        fill_sections(stack((SQUARE,)), np.empty((0, 2)), FillSettings())
+    with pytest.raises(GeometryError, match="safe range"):
+        list(
+            fill_sections(
+                stack((SQUARE,)), np.array([[1.0, 1], [2, 2]]), FillSettings(offset=1e4)
+            ).layers
+        )
+
+
+def test_an_empty_section_is_an_empty_layer():
+    sections = stack((SQUARE,), 6)
+    sections[3] = Section(1.5, ())
+    layers = list(fill_sections(sections, np.array([[1.0, 1], [2, 2]]), FillSettings()).layers)
+    assert len(layers[3].diagram.edges) == 0
+    assert len(layers[4].diagram.edges) > 0

@@ -342,8 +342,10 @@ def cut_graph(  # type: ignore[no-untyped-def]
             if crossing < 0 and winding == 0:
                 continue
             right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
-            since = length
-            begin = vertex_of[triangle] if winding == 1 else -1
+            low, high, backwards = site_of[right], site_of[left], 0
+            if low > high:
+                low, high, backwards = high, low, 1
+            since, begin = length, vertex_of[triangle]
             if crossing >= 0:
                 # The crossings in their order from this triangle to the other: they alternate.
                 way_x = float(points[left, 1] - points[right, 1])
@@ -363,20 +365,18 @@ def cut_graph(  # type: ignore[no-untyped-def]
                         break
                     crossings[best, WINDING] = 0  # taken
                     if winding == 1:
-                        edges[length, 0], edges[length, 1] = begin, crossing_base + best
+                        edges[length, backwards] = begin
+                        edges[length, 1 - backwards] = crossing_base + best
+                        sites[length, 0], sites[length, 1] = low, high
                         length += 1
                     begin, winding = crossing_base + best, 1 - winding
                     crossing = first_on[3 * triangle + i]
             if winding == 1:
-                edges[length, 0], edges[length, 1] = begin, vertex_of[other]
+                edges[length, backwards], edges[length, 1 - backwards] = begin, vertex_of[other]
+                sites[length, 0], sites[length, 1] = low, high
                 length += 1
-            low, high = site_of[right], site_of[left]
-            for row in range(since, length):
-                if low > high:
-                    edges[row, 0], edges[row, 1] = edges[row, 1], edges[row, 0]
-                sites[row, 0], sites[row, 1] = min(low, high), max(low, high)
             if length > since:
-                neighbours[pairs, 0], neighbours[pairs, 1] = min(low, high), max(low, high)
+                neighbours[pairs, 0], neighbours[pairs, 1] = low, high
                 keys[pairs - first_pair] = 3 * triangle + i
                 pairs += 1
     crossing = 0

@@ -25,7 +25,8 @@ COMPILED: dict[str, Any] = {
 """How everything in the engine is compiled: no fastmath, so that bits do not depend on it."""
 
 INTERNAL = {**COMPILED, "no_cpython_wrapper": True}
-"""How functions are that only compiled code calls: without a way in from Python."""
+"""How functions are that only compiled code calls: without a way in from Python, which
+costs a second to compile. To call one from Python is to crash."""
 
 INLINED = {**INTERNAL, "forceinline": True}
 """How its small functions are: calls that pass many arrays cost more than they do."""
@@ -71,7 +72,7 @@ def conflicts(points, a, b, c, d):  # type: ignore[no-untyped-def]
     bx, by = points[b, 0] - x, points[b, 1] - y
     cx, cy = points[c, 0] - x, points[c, 1] - y
     of_a, of_b, of_c = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
-    sign = sign_of_sum(
+    sign: Any = sign_of_sum(  # type: ignore[call-arg]
         ax * ax + ay * ay - points[a, 2] + weight,
         of_a,
         bx * bx + by * by - points[b, 2] + weight,

@@ -6,10 +6,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit, types
-from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.exact import COMPILED
@@ -79,7 +79,7 @@ class Grid:
         return np.rint(scaled).astype(np.int64)
 
 
-def _refuse(faulty: NDArray[np.bool_], message: str) -> None:
+def _refuse(faulty: Any, message: str) -> None:
     for site in np.nonzero(faulty)[0]:
         raise GeometryError(message, site=int(site))
 

@@ -97,7 +97,7 @@ MOTION = TupleType(
 TIME = types.float64
 
 
-@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INTERNAL)
+@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INLINED)
 def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
     """Where the orthocentre of a triangle is at time 0, and how it moves per unit of time.
 
@@ -110,15 +110,15 @@ def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
         a, b, c = c, a, b
     x, y = points[a, 0], points[a, 1]
     bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
-    double = 2.0 * (bx * cy - by * cx)
+    half = 0.5 / (bx * cy - by * cx)
     still_b = float(bx * bx + by * by - base[b] + base[a])
     still_c = float(cx * cx + cy * cy - base[c] + base[a])
     grown_b, grown_c = growth[a] - growth[b], growth[a] - growth[c]
     return (
-        x + (cy * still_b - by * still_c) / double,
-        y + (bx * still_c - cx * still_b) / double,
-        (cy * grown_b - by * grown_c) / double,
-        (bx * grown_c - cx * grown_b) / double,
+        x + (cy * still_b - by * still_c) * half,
+        y + (bx * still_c - cx * still_b) * half,
+        (cy * grown_b - by * grown_c) * half,
+        (bx * grown_c - cx * grown_b) * half,
     )
 
 
@@ -126,24 +126,22 @@ def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
 def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
     """When d gets into the orthocircle of a, b, c: the moment, and a bound that is surely earlier.
 
-    `NEVER` where the weights do not bring them closer.
+    The moment is `NEVER` where the weights do not bring them closer. Then the bound is too, unless
+    the four may be orthogonal to one circle for good: that is for the exact test to say, now.
     """
     dx, dy, weight, speed = points[d, 0], points[d, 1], points[d, 2], growth[d]
-    a_grows, b_grows, c_grows = growth[a] - speed, growth[b] - speed, growth[c] - speed
-    if a_grows == 0 and b_grows == 0 and c_grows == 0:
-        return NEVER, NEVER
     ax, ay = points[a, 0] - dx, points[a, 1] - dy
     bx, by = points[b, 0] - dx, points[b, 1] - dy
     cx, cy = points[c, 0] - dx, points[c, 1] - dy
-    of_a, of_b, of_c = float(bx * cy - by * cx), float(cx * ay - cy * ax), float(ax * by - ay * bx)
-    slope = -(a_grows * of_a + b_grows * of_b + c_grows * of_c)
-    if slope <= 0.0:
-        return NEVER, NEVER
+    of_a, of_b, of_c = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
+    slope = of_a * (speed - growth[a]) + of_b * (speed - growth[b]) + of_c * (speed - growth[c])
     from_a = float(ax * ax + ay * ay - points[a, 2] + weight) * of_a
     from_b = float(bx * bx + by * by - points[b, 2] + weight) * of_b
     from_c = float(cx * cx + cy * cy - points[c, 2] + weight) * of_c
     power = from_a + from_b + from_c
     doubt = ROUNDING * (abs(from_a) + abs(from_b) + abs(from_c))
+    if slope <= 0:
+        return NEVER, now if power + doubt >= 0.0 else NEVER
     return now - power / slope, now - (power + doubt) / slope
 
 
@@ -219,7 +217,7 @@ def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-de
     edge = 3 * triangle + i
     motion.stamp[edge] += 1
     b, c = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
-    _, due = failure(
+    moment, due = failure(
         mesh.points,
         motion.growth,
         triangles[triangle, i],
@@ -228,6 +226,8 @@ def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-de
         triangles[other, j],
         motion.state[NOW],
     )
+    if moment == NEVER and earliest > -NEVER:  # the exact test has just been passed
+        return
     due = max(due, earliest)
     if due <= motion.state[LAST]:
         _push(motion, due, edge, motion.stamp[edge])
@@ -336,7 +336,8 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
             waiting += 1
             continue
         moment, _ = failure(points, motion.growth, a, b, c, d, time)
-        motion.moment[0] = max(motion.moment[0], min(moment, float(time)))
+        if moment != NEVER:
+            motion.moment[0] = max(motion.moment[0], min(moment, float(time)))
         _end_strut(mesh, motion, triangle)
         _end_strut(mesh, motion, other)
         if kind != FLIP:

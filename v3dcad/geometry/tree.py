@@ -27,24 +27,24 @@ class Tree(NamedTuple):
     """
 
     first: Any
-    """(k,) int64: the smaller site of the edge that last had this key"""
+    """(k,) int32: the smaller site of the edge that last had this key"""
     second: Any
-    """(k,) int64: its larger site"""
+    """(k,) int32: its larger site"""
     seen: Any
-    """(k,) int64: in which generation"""
+    """(k,) int32: in which generation"""
     branches: Any
     """(n,) int32: keys of the tree's edges, shortest first"""
     state: Any
     """(2,) int64"""
 
 
-TREE = TupleType([LENGTHS, LENGTHS, LENGTHS, ROW, LENGTHS], Tree)
+TREE = TupleType([ROW, ROW, ROW, ROW, LENGTHS], Tree)
 
 
 def empty_tree(sites: int, keys: int) -> Tree:
     """A tree for up to so many sites, and edges with keys below `keys`."""
-    numbers = [np.zeros(keys, np.int64) for _ in range(3)]
-    return Tree(*numbers, np.empty(sites, np.int32), np.zeros(2, np.int64))
+    first, second, seen = np.zeros((3, keys), np.int32)
+    return Tree(first, second, seen, np.empty(sites, np.int32), np.zeros(2, np.int64))
 
 
 @njit(WORD(PAIRS, WORD, WORD), **INLINED)
@@ -122,12 +122,13 @@ def renew_tree(tree, places, pairs, keys, row, count):  # type: ignore[no-untype
             kept += 1
             piece[_root(piece, first[key])] = _root(piece, second[key])
     if kept < tree.state[COUNT]:
+        for site in range(count):
+            piece[site] = _root(piece, site)
         for edge in range(edges):
-            key = keys[edge]
-            if seen[key] == generation:
-                if _root(piece, first[key]) != _root(piece, second[key]):
-                    new[added] = key
-                    added += 1
+            i, j = pairs[row + edge, 0], pairs[row + edge, 1]
+            if piece[i] != piece[j] and seen[keys[edge]] == generation:
+                new[added] = keys[edge]
+                added += 1
     for edge in range(added):
         seen[new[edge]] = generation
     if added > 0:
@@ -165,4 +166,4 @@ def spanning_tree(places: Ints, pairs: Ints) -> Ints:
     tree = empty_tree(len(places), len(pairs))
     renew_tree(tree, places, pairs, np.arange(len(pairs), dtype=np.int32), 0, len(places))
     keys = tree.branches[: tree.state[COUNT]]
-    return np.column_stack([tree.first[keys], tree.second[keys]])
+    return np.column_stack([tree.first[keys], tree.second[keys]]).astype(np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.tree import empty_tree
-from v3dcad.geometry.triangulation import POINTS, SENTINELS, TRIANGLES, triangulation
+from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
 from v3dcad.structure.layers import (
     LAYERS,
@@ -25,6 +26,7 @@ from v3dcad.structure.layers import (
     Run,
     run,
 )
+from v3dcad.structure.walls import Tracks
 
 FAULTS = {
     OVERLAPPING: "its rings overlap or run the wrong way round: outer ones must run "
@@ -50,10 +52,14 @@ class Timed(Value):
     site_of: Ints
     """(n,) site numbers"""
 
-    def first(self, count: int) -> Timed:
-        """The first rows only."""
-        rows = (self.places, self.base, self.growth, self.born, self.site_of)
-        return Timed(*(array[:count] for array in rows))
+    def rows(self, rows: Ints | slice) -> Timed:
+        """Some rows only, or in another order."""
+        columns = (self.places, self.base, self.growth, self.born, self.site_of)
+        return Timed(*(column[rows] for column in columns))
+
+    def by_site(self) -> Timed:
+        """In the order of the sites' numbers."""
+        return self.rows(np.argsort(self.site_of, kind="stable"))
 
 
 class Course:
@@ -112,12 +118,39 @@ class Course:
             if fault in FAULTS:
                 raise GeometryError(FAULTS[fault], layer=index + done)
 
-    def finish(self) -> None:
-        """Log the triangles that are left as ended here."""
+    def tracks(self) -> Tracks:
+        """How all vertices have moved since the beginning; to be asked for once, at the end."""
         triangles = int(self.mesh.count[TRIANGLES])
-        if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
-            self.mesh, self.motion = with_room(self.mesh, self.motion, triangles)
-        end_all(self.mesh, self.motion)
+        rate = self.growth_step / self.grid.pitch**2
+        if self.times[0] == self.times[-1]:  # nothing has moved
+            corners = self.mesh.triangles[:triangles, :3]
+            corners = corners[corners[:, 0] != NOTHING].astype(np.int64)
+            spans = np.broadcast_to(self.heights[[0, -1]], (len(corners), 2))
+            times = np.full(spans.shape, float(self.times[0]))
+        else:
+            if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
+                self.mesh, self.motion = with_room(self.mesh, self.motion, triangles)
+            end_all(self.mesh, self.motion)
+            count = int(self.motion.state[STRUTS])
+            corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
+            spans = times / rate
+        site_of = np.arange(len(self.mesh.points)) - SENTINELS
+        site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
+        ends = np.stack([self._vertices(corners, times[:, k]) for k in range(2)], axis=1)
+        return Tracks(site_of[corners], spans, ends)
+
+    def _vertices(self, corners: Ints, times: Floats) -> Floats:
+        """The orthocentres (t, 2), mm, of triangles (t, 3) of points at times (t,)."""
+        a, b, c = corners.T
+        places = self.mesh.points[:, :2]
+        base, growth = self.motion.base, self.motion.growth
+        bx, by = (places[b] - places[a]).T
+        cx, cy = (places[c] - places[a]).T
+        of_b = (bx * bx + by * by + base[a] - base[b]) + (growth[a] - growth[b]) * times
+        of_c = (cx * cx + cy * cy + base[a] - base[c]) + (growth[a] - growth[c]) * times
+        double = 2.0 * (bx * cy - by * cx)
+        shift = np.column_stack([cy * of_b - by * of_c, bx * of_c - cx * of_b]) / double[:, None]
+        return self.grid.millimetres(places[a] + shift)
 
     def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
         room, count = len(self.mesh.points), int(self.mesh.count[POINTS])
@@ -148,19 +181,20 @@ class Course:
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""
-        grid, everyone = self.grid, self.sites()
-        point_of = np.argsort(everyone.site_of, kind="stable")
-        places = grid.millimetres(everyone.places)[point_of]
-        base, growth = everyone.base[point_of], everyone.growth[point_of]
-        speed = growth * self.growth_step
-        layer_of = np.searchsorted(self.times, everyone.born)
-        born_at = np.where(everyone.born == ALWAYS, 0.0, self.heights[layer_of])[point_of]
+        grid, sites = self.grid, self.sites().by_site()
+        places, speed = (
+            grid.millimetres(sites.places),
+            self.growth_step * sites.growth.astype(np.float64),
+        )
+        layer_of = np.searchsorted(self.times, sites.born)
+        born_at = np.where(sites.born == ALWAYS, 0.0, self.heights[layer_of % len(self.heights)])
+        base, growth = sites.base, sites.growth
         vertices, graph = made.vertices, -1
         for layer in range(int(made.outcome[LAYERS])):
             if made.graphs[layer] != graph:
                 graph = int(made.graphs[layer])
                 edges = _piece(made.edges, made.edge_rows, graph)
-                sites = _piece(made.sites, made.edge_rows, graph)
+                edge_sites = _piece(made.sites, made.edge_rows, graph)
                 neighbours = _piece(made.neighbours, made.neighbour_rows, graph)
                 tree = _piece(made.tree, made.tree_rows, graph)
             count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
@@ -170,7 +204,7 @@ class Course:
                 index + layer,
                 sections[layer],
                 SiteState(places[:count], weights, speed[:count], born_at[:count]),
-                Diagram(_piece(vertices, made.vertex_rows, layer), edges, sites, neighbours),
+                Diagram(_piece(vertices, made.vertex_rows, layer), edges, edge_sites, neighbours),
                 tree,
                 float(made.areas[layer]) / max(cells, 1),
             )
@@ -194,7 +228,7 @@ def _rest(rings: Rings, layers: int) -> Rings:
     return rings._replace(layers=rings.layers[layers:])
 
 
-def _piece(rows: Ints, starts: Ints, part: int) -> Ints:
+def _piece(rows: Any, starts: Ints, part: int) -> Any:
     return rows[starts[part] : starts[part + 1]]
 
 

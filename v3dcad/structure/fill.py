@@ -11,18 +11,20 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
-from v3dcad.geometry.kinetics import ALWAYS, logged_struts
+from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.geometry.tree import spanning_tree
 from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, Triangulation, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, Timed, times_of
 from v3dcad.structure.growth import growing
+from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
 """Most layers that are computed in one go, and"""
-VERTICES_AT_ONCE = 500_000
-"""about how many vertices: what bounds the memory, whatever the number of layers."""
+VERTICES_AT_ONCE = 1 << 16
+"""about how many vertices: few enough to stay in the processor's cache and to be the same memory
+again and again, whatever the number of layers."""
 
 
 def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSettings) -> Filling:
@@ -84,10 +86,8 @@ class History(Value):
     """All that happened on the way up through the layers, in grid units and whole times."""
 
     sites: Timed
-    struts: Ints
-    """(s, 3) points that share a moving vertex: rows of `sites` + 4; below 4, the far sentinels"""
-    spans: Floats
-    """(s, 2) the times at which each strut begins and ends"""
+    tracks: Tracks
+    """how the vertices moved"""
 
 
 class Layers(Sequence[Layer]):
@@ -147,9 +147,7 @@ class Filling:
     @property
     def sites(self) -> Floats:
         """The sites at the start (n, 2), mm, as snapped to the grid."""
-        places = np.empty_like(self._start.places)
-        places[self._start.site_of] = self._start.places
-        return self.grid.millimetres(places)
+        return self.grid.millimetres(self._start.by_site().places)
 
     @property
     def births(self) -> Ints:
@@ -175,6 +173,21 @@ class Filling:
         assert self._history is not None
         return self._history
 
+    @property
+    def walls(self) -> Walls:
+        """The facets between cells, from the first to the last layer, cut by the base rectangle."""
+        sites = self.history.sites.by_site()
+        places, growth = (
+            self.grid.millimetres(sites.places),
+            self.growth_step * sites.growth.astype(np.float64),
+        )
+        return walls(self.history.tracks, places, growth, self.box[[0, 2]])
+
+    @property
+    def strut_axes(self) -> StrutAxes:
+        """The lines where three cells meet, cut like the walls."""
+        return strut_axes(self.history.tracks, self.box[[0, 2]])
+
     def at(self, z: float, section: Section | None = None) -> Diagram:
         """The diagram at any height z, mm, cut by a section's rings or else the base rectangle."""
         rings = (self.box,) if section is None else section.rings
@@ -186,7 +199,7 @@ class Filling:
         heights = np.array([section.z])
         time = times_of(heights, self.growth_step, self.grid)[0]
         alive = int(np.count_nonzero(sites.born <= time))
-        course = Course(self.grid, sites.first(alive), self.growth_step, heights)
+        course = Course(self.grid, sites.rows(slice(alive)), self.growth_step, heights)
         layer = next(course.run([section], 0, np.inf))
         return replace(layer, index=index)
 
@@ -194,8 +207,8 @@ class Filling:
         """The layers from the first to the last, one at a time."""
         sections, full_cell, index = self.sections, np.inf, 0
         if not sections:
-            nothing = np.empty((0, 3), np.int64)
-            self._history = History(self._start, nothing, np.empty((0, 2)))
+            nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+            self._history = History(self._start, nothing)
             return
         course = Course(self.grid, self._start, self.growth_step, self._heights)
         while index < len(sections):
@@ -207,8 +220,7 @@ class Filling:
             if index == 0 and self.settings.insertion and self.growth_step > 0:
                 full_cell = layer.area_per_cell or np.inf
             index += some
-        course.finish()
-        self._history = History(course.sites(), *logged_struts(course.motion))
+        self._history = History(course.sites(), course.tracks())
 
 
 def _growing(places: Ints, mesh: Triangulation, order: Ints) -> NDArray[np.bool_]:

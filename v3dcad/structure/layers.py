@@ -208,8 +208,8 @@ def run(  # type: ignore[no-untyped-def]
         fresh, born, waited = False, 0, False
         while outcome[STATUS] == DONE:
             count, crossings, at = walk_rings(mesh, stepped, starts, after, begun_in, crossings, at)
-            if count < 0:
-                outcome[STATUS] = OPEN_WALK
+            if count < 0 or areas[layer] < 0:
+                outcome[STATUS] = OPEN_WALK if count < 0 else OVERLAPPING
                 break
             fresh = not (
                 changes == motion.state[CHANGES]
@@ -220,7 +220,7 @@ def run(  # type: ignore[no-untyped-def]
             if fresh:
                 if len(next_on) < len(at):
                     next_on = np.empty(len(at), np.int32)
-                if not wind(mesh, crossings, count, first_on, next_on, inside) or areas[layer] < 0:
+                if not wind(mesh, crossings, count, first_on, next_on, inside):
                     outcome[STATUS] = OVERLAPPING
                     break
                 token += 1

@@ -1,0 +1,137 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial import ConvexHull
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.grid import STEPS, Grid, curve_order
+from v3dcad.geometry.kinetics import STRUTS, advance, motion_of, with_room
+from v3dcad.geometry.polygon import crossing_segment
+from v3dcad.geometry.tree import spanning_tree
+from v3dcad.geometry.triangulation import (
+    NOTHING,
+    SENTINELS,
+    TRIANGLES,
+    irregular_edges,
+    triangulation,
+)
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def triangles(mesh):
+    """The triangles (t, 3), smallest point first, sorted."""
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3]
+    corners = corners[corners[:, 0] != NOTHING]
+    turn = (np.argmin(corners, axis=1)[:, None] + np.arange(3)) % 3
+    corners = np.take_along_axis(corners, turn, axis=1)
+    return corners[np.lexsort(corners.T)]
+
+
+@st.composite
+def weighted(draw):
+    """Distinct grid points, many of them cocircular or collinear, and weights."""
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    count = draw(st.integers(1, 60))
+    coarse = draw(st.sampled_from([1, STEPS // 8, STEPS // 4]))
+    sites = rng.integers(0, STEPS // coarse + 1, (count, 2)) * coarse
+    if draw(st.booleans()):
+        sites[:, 1] = sites[0, 1]
+    sites = np.unique(sites, axis=0)
+    heaviest = draw(st.sampled_from([0, 1, 2**40, 2**47]))
+    return rng.permutation(sites), rng.integers(-heaviest, heaviest + 1, len(sites))
+
+
+@given(weighted())
+def test_every_orthocircle_is_empty(given_sites):
+    sites, weights = given_sites
+    mesh = triangulation(sites, weights)
+    assert irregular_edges(mesh) == 0
+    # Independently: no site is below the plane of any triangle, in Python's exact integers.
+    lifted = [
+        (int(x), int(y), int(x) ** 2 + int(y) ** 2 - int(w))
+        for x, y, w in mesh.points[: SENTINELS + len(sites)]
+    ]
+    for a, b, c in triangles(mesh):
+        (ax, ay, _), (bx, by, _), (cx, cy, _) = (lifted[p] for p in (a, b, c))
+        assert (bx - ax) * (cy - ay) > (by - ay) * (cx - ax)
+        for d in range(SENTINELS, len(lifted)):
+            rows = [[lifted[p][k] - lifted[d][k] for k in range(3)] for p in (a, b, c)]
+            (p, q, r), (s, t, u), (v, w, x) = rows
+            assert p * (t * x - u * w) - q * (s * x - u * v) + r * (s * w - t * v) <= 0
+
+
+@given(weighted(), st.integers(0, 10**6))
+def test_flips_up_to_a_time_give_the_triangulation_of_that_time(given_sites, seed):
+    sites, _ = given_sites
+    rng = np.random.default_rng(seed)
+    growth = np.zeros(SENTINELS + len(sites), np.int64)
+    growth[SENTINELS:] = rng.integers(0, 3, len(sites))
+    last = 2**44
+    mesh = triangulation(sites, np.zeros(len(sites), np.int64))
+    motion = motion_of(mesh, growth, 0, last)
+    for time in np.sort(rng.integers(1, last, 10)):
+        while not advance(mesh, motion, time):
+            mesh, motion = with_room(mesh, motion, 0)
+        assert irregular_edges(mesh) == 0
+        again = triangulation(sites, growth[SENTINELS:] * time)
+        np.testing.assert_array_equal(triangles(mesh), triangles(again))
+    spans = motion.spans[: motion.state[STRUTS]]
+    assert (spans[:, 0] < spans[:, 1]).all()
+
+
+def test_same_as_the_lower_hull_of_the_lifted_sites():
+    rng = np.random.default_rng(4)
+    sites = rng.integers(0, STEPS + 1, (2000, 2))
+    sites = sites[curve_order(sites)]
+    weights = rng.integers(0, 2**40, len(sites))
+    mesh = triangulation(sites, weights)
+    ours = triangles(mesh)
+    ours = ours[(ours >= SENTINELS).all(axis=1)] - SENTINELS
+    unit = sites / STEPS - 0.5
+    hull = ConvexHull(np.column_stack([unit, (unit**2).sum(axis=1) - weights / STEPS**2]))
+    theirs = {tuple(sorted(face)) for face in hull.simplices[hull.equations[:, 2] < 0]}
+    mine = {tuple(sorted(face)) for face in ours}
+    assert mine <= theirs
+    # Beyond ours, qhull has flat triangles along the hull: sentinels see those edges too.
+    assert len(theirs - mine) < 30
+
+
+def test_grid_refuses_what_it_cannot_hold():
+    grid = Grid(np.zeros(2), 10.0)
+    for value, words in ((np.nan, "finite"), (11.0, "range")):
+        with pytest.raises(GeometryError, match=words) as caught:
+            grid.snap(np.array([[1.0, 1], [2, value]]))
+        assert caught.value.site == 1
+    for value, words in ((np.inf, "finite"), (1e4, "safe range")):
+        with pytest.raises(GeometryError, match=words) as caught:
+            grid.snap_weights(np.array([0.0, 0, value]))
+        assert caught.value.site == 2
+    points = np.random.default_rng(0).random((100, 2)) * 10
+    snapped = grid.snap(points)
+    assert np.abs(grid.millimetres(snapped) - points).max() <= grid.pitch * 0.51
+    np.testing.assert_array_equal(grid.snap(grid.millimetres(snapped)), snapped)
+
+
+def test_spanning_tree_breaks_ties_by_site_numbers():
+    places = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    pairs = np.array([[2, 3], [0, 3], [1, 2], [0, 1]])
+    np.testing.assert_array_equal(spanning_tree(places, pairs), [[0, 1], [0, 3], [1, 2]])
+
+
+@pytest.mark.parametrize(
+    ("ring", "crosses"),
+    [
+        ([[0, 0], [1, 1], [1, 0], [0, 1]], True),
+        ([[0, 0], [1, 0], [1, 1], [0, 1]], False),
+        ([[0, 0], [2, 0], [1, 0], [1, 1]], False),  # touches itself
+    ],
+)
+def test_crossing_rings_are_found(ring, crosses):
+    corners = np.array(ring, np.float64)
+    many = np.column_stack([np.cos(np.arange(500)), np.sin(np.arange(500))]) * 5
+    many = many[np.argsort(np.arange(500) % (2 * np.pi))]
+    rings = np.concatenate([many, corners])
+    found = crossing_segment(rings, np.array([0, 500, 504]), np.array([0, 1, 2]))
+    assert (found >= 500) == crosses
