@@ -73,16 +73,11 @@ def power_walls(sites: Floats, growth: Floats, base: Floats, low: Floats, high: 
                 )
         if len(ring) < 3:
             continue
-        normal = sum(
-            np.cross(where[k - 1] - where[0], where[k] - where[0]) for k in range(len(ring))
-        )
-        if normal @ (places[j] - places[i]) < 0:
-            where = where[::-1]
         corners += where
         starts.append(len(corners))
         pairs.append((i, j))
     pairs_array = np.array(pairs, np.int64).reshape(-1, 2)
-    return welded_facets(pairs_array, np.reshape(corners, (-1, 3)), np.array(starts))
+    return welded_facets(pairs_array, np.reshape(corners, (-1, 3)), np.array(starts), sites)
 
 
 def _ring(links: list[tuple[int, int]]) -> list[int] | None:

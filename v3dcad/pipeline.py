@@ -6,22 +6,26 @@ import json
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Toolpath
+from v3dcad.forms import Forms
+from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Section, Toolpath
 from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.place import layer_heights, on_bed
 from v3dcad.structure.sites import scatter_sites
 
+if TYPE_CHECKING:
+    from v3dcad.geometry.facets import Facets
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure:
+class Structure(Forms):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.
@@ -39,6 +43,23 @@ class Structure:
     def sites(self) -> Floats:
         """(n, 2) mm: the sites at the base, as snapped to the engine's grid."""
         return self.filling.sites
+
+    def facets(self) -> Facets:
+        """The walls between cells in space, bed coordinates, from the base to above the top."""
+        from v3dcad.geometry.facets import welded_facets
+
+        if self.settings.method == "thesis":
+            raise SettingError(
+                "method",
+                "the thesis's method moves inserted cells from layer to layer, so that they have "
+                "no plane walls in space: use method='continuous', or wires and beads",
+            )
+        # An empty section above the top lets the walls go on from the last layer to there.
+        above = Section(float(self.part.bounds[1, 2]) + 1.0, ())
+        filling = fill_sections([*self.filling.sections, above], self.sites, self.settings)
+        walls, everyone = filling.walls, filling.history.sites.by_site()
+        places = filling.grid.millimetres(everyone.places)
+        return welded_facets(walls.sites, walls.points, walls.starts, places)
 
     def recipe(self) -> Recipe:
         """What an `.ont` file needs to make this structure again."""
@@ -75,18 +96,6 @@ class Structure:
         check_fits(self.part.bounds, settings)
         with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
             write_gcode(stream, self.trace(settings), settings)
-
-    def write_step(self, path: str | Path) -> None:
-        """Write the wires of all layers as STEP, one named compound a layer."""
-        from v3dcad.kernel.step import Named, write_step
-        from v3dcad.kernel.wires import layer_trails
-
-        shapes = (
-            Named(f"layer {layer.index} z {layer.z:g}", layer_trails(layer, self.placement))
-            for layer in self.layers
-        )
-        with written_beside(Path(path)) as beside:
-            write_step(shapes, beside, self.part.name, curves=True)
 
     def write_png(self, path: str | Path) -> None:
         """Draw the layers in perspective."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
 
+from v3dcad.errors import SettingError
 from v3dcad.geometry.facets import Facets
 from v3dcad.model import Floats, Ints, Mesh
 
@@ -121,6 +123,25 @@ def welded(solid: Polyhedron, tolerance: float) -> Polyhedron | None:
         if len(around) > 2:
             faces.append(around)
     return _compact(solid.points, faces) if len(faces) > 3 else None
+
+
+def hollows(walls: Facets, thickness: float, low: Floats, high: Floats) -> list[Polyhedron]:
+    """What walls of a thickness, mm, leave of the cells within the box low … high (3,).
+
+    Warns how many cells close up; raises `SettingError` where all do.
+    """
+    open_cells = inset_cells(walls, thickness / 2, low, high)
+    closed = len(np.unique(walls.sites)) - len(open_cells)
+    if not open_cells:
+        raise SettingError(
+            "thickness", f"thickness {thickness:g} mm closes all cells; give a smaller one"
+        )
+    if closed:
+        warnings.warn(
+            f"thickness {thickness:g} mm is more than {closed} cells are wide: they close up",
+            stacklevel=3,
+        )
+    return list(open_cells.values())
 
 
 def inset_cells(walls: Facets, inset: float, low: Floats, high: Floats) -> dict[int, Polyhedron]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
@@ -60,12 +61,16 @@ class Facets(Value):
         return np.asarray(found[uses > 2])
 
 
-def welded_facets(sites: Ints, points: Floats, starts: Ints) -> Facets:
+def welded_facets(sites: Ints, points: Floats, starts: Ints, places: Floats) -> Facets:
     """Polygons (f), given one by one, with their corners shared.
 
-    `sites` (f, 2) lie on the two sides of each, `points` (c, 3), mm, run counter-clockwise as seen
-    from the second, `starts` (f + 1,). Polygons that shrink to less than a triangle are left out.
+    `sites` (f, 2), i < j, lie on the two sides of each and stand at `places` (n, 2); `points`
+    (c, 3), mm, are the corners, `starts` (f + 1,) where each polygon begins. Either way round will
+    do. Polygons that shrink to less than a triangle are left out.
     """
+    if not len(points):
+        none = np.empty((0, 2), np.int64)
+        return Facets(points, np.empty(0), none[:, 0], np.zeros(1, np.int64), none)
     pairs = KDTree(points).query_pairs(WELD, output_type="ndarray")
     near = coo_array((np.ones(len(pairs)), pairs.T), (len(points), len(points)))
     group = connected_components(near, directed=False)[1]
@@ -77,13 +82,24 @@ def welded_facets(sites: Ints, points: Floats, starts: Ints) -> Facets:
     kept &= np.bincount(polygon[kept], minlength=len(sites))[polygon] > 2
     counts = np.bincount(polygon[kept], minlength=len(sites))
     left = counts > 0
-    return Facets(
+    found = Facets(
         points[first],
         slack,
         group[kept].astype(np.int64),
         np.concatenate([[0], np.cumsum(counts[left])]),
         sites[left],
     )
+    across = places[found.sites[:, 1]] - places[found.sites[:, 0]]
+    return _turned(found, (found.vectors()[:, :2] * across).sum(axis=1) < 0)
+
+
+def _turned(walls: Facets, backwards: NDArray[np.bool_]) -> Facets:
+    """The walls, some of them (f,) the other way round."""
+    polygon = np.repeat(np.arange(len(walls)), np.diff(walls.starts))
+    place = np.arange(len(polygon))
+    mirrored = walls.starts[:-1][polygon] + walls.starts[1:][polygon] - 1 - place
+    corners = walls.corners[np.where(backwards[polygon], mirrored, place)]
+    return Facets(walls.points, walls.slack, corners, walls.starts, walls.sites)
 
 
 def _following(starts: Ints) -> Ints:

@@ -76,3 +76,16 @@ def location(placement: Placement) -> TopLoc_Location:
     rows = np.column_stack([placement.rotation, placement.translation])
     motion.SetValues(*(float(value) for value in rows.ravel()))
     return TopLoc_Location(motion)
+
+
+def placed_back(shape: TopoDS_Shape, placement: Placement) -> TopoDS_Shape:
+    """A shape on the bed, moved back to where its source lies."""
+    moved = shape.Moved(location(placement).Inverted())
+    motion = moved.Location().Transformation()
+    stays = all(
+        abs(motion.Value(row, column) - (row == column)) < 1e-12
+        for row in range(1, 4)
+        for column in range(1, 5)
+    )
+    # There and back again is nowhere: say so, rather than carry two motions that cancel out.
+    return moved.Located(TopLoc_Location()) if stays else moved

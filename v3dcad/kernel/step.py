@@ -1,4 +1,4 @@
-"""Writing STEP: named, coloured shapes in one document, the same bytes for the same shapes."""
+"""Writing STEP and BREP: named, coloured shapes, the same bytes for the same shapes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+from OCP.BRepTools import BRepTools
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.Interface import Interface_Static
 from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
@@ -70,6 +71,12 @@ def write_step(
     header.SetName(TCollection_HAsciiString(name))
     if writer.Write(str(path)) != IFSelect_RetDone:
         raise KernelError(f"{path}: OCCT cannot write this file")
+
+
+def write_brep(shape: TopoDS_Shape, path: Path) -> None:
+    """Write a shape as OCCT's own text format. Raises `KernelError` where OCCT cannot."""
+    if not BRepTools.Write_s(shape, str(path)):
+        raise KernelError(f"{path}: OCCT cannot write this shape as BREP")
 
 
 def _document(shapes: Iterable[Named]) -> TDocStd_Document:

@@ -16,8 +16,8 @@ from walls_oracle import power_walls
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.geometry.convex import inset_cells
 from v3dcad.geometry.facets import Facets
+from v3dcad.kernel.cells import cut_cells, cut_walls, thick_walls
 from v3dcad.kernel.shapes import compound
-from v3dcad.kernel.solids import cut_cells, cut_walls, thick_walls
 from v3dcad.model import Floats, Placement, Section
 
 SHIFT = Placement(np.eye(3), np.array([-5.0, 2.0, -7.0]))
@@ -144,7 +144,7 @@ def test_errors_say_what_to_do() -> None:
     for wrong in (0.0, -1.0, float("nan")):
         with pytest.raises(SettingError, match=r"thickness .*: give a number above 0 mm"):
             thick_walls(block(), walls, SHIFT, wrong)
-    with pytest.raises(SettingError, match="skin -1: give a number of at least 0 mm"):
+    with pytest.raises(SettingError, match="skin -1: give a number above 0 mm"):
         thick_walls(block(), walls, SHIFT, 1.0, skin=-1.0)
     with pytest.raises(SettingError, match="closes all cells"):
         thick_walls(block(), walls, SHIFT, 60.0)
