@@ -24,7 +24,7 @@ MAY_IMPORT = {
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
     "forms": INSIDE | RIM | {"files"},
-    "adapters": INSIDE | {"adapters", "pipeline"},
+    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline"},
     "pipeline": {"forms"} | INSIDE | RIM | {"files", "parts", "structure", "toolpath"},
     "options": {"settings"},
     "cli": INSIDE | {"formats", "options", "pipeline"},

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from v3dcad.model import Section
     from v3dcad.pipeline import Structure, build, fill
     from v3dcad.settings import FillSettings, PrintSettings
+    from v3dcad.structure.density import density
     from v3dcad.structure.fill import fill_sections
 
 _HOME = {
@@ -35,6 +36,7 @@ _HOME = {
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
+    "density": "structure.density",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
 }
@@ -51,6 +53,7 @@ __all__ = [
     "Structure",
     "V3dcadError",
     "build",
+    "density",
     "fill",
     "fill_sections",
 ]

@@ -16,6 +16,7 @@ from v3dcad.forms import Forms
 from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Section, Toolpath
 from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.structure.density import density
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.place import layer_heights, on_bed
 from v3dcad.structure.sites import scatter_sites
@@ -149,17 +150,20 @@ def _layer_report(layer: Layer) -> dict[str, Any]:
     }
 
 
-def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> Structure:
+def build(part: Part, settings: FillSettings, sites: Floats | density | None = None) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, take the place of the scatter. Raises `SettingError`
-    where settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
+    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter. Raises
+    `SettingError` where settings do not fit the part, `GeometryError` or `KernelError` where it
+    cannot be cut.
     """
     placement = on_bed(part.bounds)
     part = part.placed(placement)
     rectangle = part.bounds[:, :2]
     if sites is None:
         sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
+    elif isinstance(sites, density):
+        sites = sites.scatter(rectangle, settings.random_seed)
     elif not ((sites >= rectangle[0]) & (sites <= rectangle[1])).all(axis=1).any():
         low, high = rectangle
         raise SettingError(
@@ -173,20 +177,25 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
 
 
 def fill(
-    source: Any, *, sites: int | Sequence[Sequence[float]] | Floats | None = None, **settings: Any
+    source: Any,
+    *,
+    sites: int | Sequence[Sequence[float]] | Floats | density | None = None,
+    **settings: Any,
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
     `source` is a path (STEP, STL, BREP, `.ont`), a shape of build123d, CadQuery or OCP, or a
-    pair (vertices, triangles). `sites` is how many to scatter, or their places (n, 2) in mm,
-    bed coordinates. Further settings are the fields of `FillSettings`. What an `.ont` file
-    says is taken from it, unless given here. Raises `V3dcadError`s that say what to do.
+    pair (vertices, triangles). `sites` is how many to scatter, their places (n, 2) in mm, bed
+    coordinates, or their `density`. Further settings are the fields of `FillSettings`. What an
+    `.ont` file says is taken from it, unless given here. Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
         return _fill_recipe(Path(source), sites, settings)
     if sites is None or isinstance(sites, int):
         chosen = _settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen)
+    if isinstance(sites, density):
+        return build(part_from(source), _settings(settings), sites)
     explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
     return build(part_from(source), _settings({**settings, "sites": len(explicit)}), explicit)
 

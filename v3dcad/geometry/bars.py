@@ -42,7 +42,8 @@ def _frames(ends: Floats) -> Floats:
 def bead_mesh(layers: Iterable[Layer], width: float, height: float) -> Mesh:
     """What is printed, as one closed mesh: each layer's lines, `width` wide and `height` high (mm).
 
-    Lines have round ends and corners. A layer's bead stands on the layer's height.
+    Lines have round ends and corners, true to a hundredth of the width. A layer's bead stands on
+    the layer's height.
     """
     check_size("width", width)
     check_size("height", height)
@@ -61,7 +62,7 @@ def _outlines(layer: Layer, width: float) -> list[Floats]:
     lines = shapely.multilinestrings(
         shapely.linestrings(layer.diagram.vertices[layer.diagram.edges])
     )
-    area = shapely.buffer(lines, width / 2, quad_segs=4)
+    area = shapely.simplify(shapely.buffer(lines, width / 2, quad_segs=4), width / 100)
     return [
         np.asarray(shapely.get_coordinates(ring)[:-1])
         for polygon in shapely.get_parts(area)

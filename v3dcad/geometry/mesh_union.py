@@ -32,7 +32,9 @@ def manifold(body: Mesh | Manifold) -> Manifold:
     """A closed mesh as manifold3d holds it. `GeometryError` where it is not closed."""
     if isinstance(body, Manifold):
         return body
-    made = Manifold(Mesh64(np.asarray(body.vertices), np.asarray(body.triangles).astype(np.uint64)))
+    # Copies: manifold3d takes no read-only arrays.
+    vertices = np.array(body.vertices, np.float64, order="C")
+    made = Manifold(Mesh64(vertices, np.array(body.triangles, np.uint64, order="C")))
     if made.status() != Error.NoError:
         raise GeometryError(f"a mesh is not the surface of a solid ({made.status().name})")
     return made
