@@ -25,9 +25,12 @@ MAY_IMPORT = {
     "parts": INSIDE | {"formats", "kernel"},
     "forms": INSIDE | RIM | {"files"},
     "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline"},
-    "pipeline": {"forms"} | INSIDE | RIM | {"files", "parts", "structure", "toolpath"},
+    "report": INSIDE | {"formats", "structure", "toolpath"},
+    "pipeline": INSIDE | RIM | {"files", "forms", "parts", "report", "structure", "toolpath"},
     "options": {"settings"},
-    "cli": INSIDE | {"formats", "options", "pipeline"},
+    "commands": INSIDE
+    | {"commands", "files", "formats", "options", "parts", "pipeline", "report", "structure"},
+    "cli": {"commands", "errors"},
     "__init__": INSIDE | {"pipeline", "structure"},
 }
 

@@ -27,7 +27,7 @@ def test_the_options_shown_exist_with_these_defaults() -> None:
     from v3dcad import FillSettings, PrintSettings
 
     rows = re.findall(r"^\| `--([a-z-]+)` \| ([^ |]*)", README, re.M)
-    assert len(rows) == 6
+    assert len(rows) == 7
     for name, default in rows:
         field = name.replace("-", "_")
         for cls in (FillSettings, PrintSettings):

@@ -194,7 +194,7 @@ class Forms:
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
         """A form as named shapes."""
-        from v3dcad.kernel.step import Named
+        from v3dcad.kernel.step import TEAL, Named
         from v3dcad.kernel.wires import layer_trails
 
         if form == "wires":
@@ -206,10 +206,10 @@ class Forms:
             return (Named(title, bead) for title, bead in self._beads(**sizes))
         if form == "cells":
             _only(sizes, form)
-            return (Named(f"cell {k}", cell) for k, cell in enumerate(self.cells()))
+            return (Named(f"cell {k}", cell, TEAL) for k, cell in enumerate(self.cells()))
         if form not in FORMS:
             raise SettingError("form", f"form {form!r}: give {', '.join(FORMS)}")
-        return [Named(form, getattr(self, form)(**sizes))]
+        return [Named(form, getattr(self, form)(**sizes), TEAL)]
 
     def _mesh(self, form: str, sizes: dict[str, Any]) -> Mesh:
         from v3dcad.geometry.bars import wall_strips

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,13 +14,19 @@ import numpy as np
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
-from v3dcad.model import Floats, Layer, Part, Placement, Recipe, Section, Toolpath
-from v3dcad.parts import MeshPart, check_readable, part_from
+from v3dcad.model import Diagram, Floats, Layer, Part, Placement, Recipe, Section
+from v3dcad.parts import MeshPart, part_from, read_recipe
+from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.density import density
 from v3dcad.structure.fill import Filling, fill_sections
+from v3dcad.structure.loft import lofted
+from v3dcad.structure.overhang import Overhang, overhang
 from v3dcad.structure.place import layer_heights, on_bed
+from v3dcad.structure.properties import Properties, properties
 from v3dcad.structure.sites import scatter_sites
+from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.structure.walls import StrutAxes, Walls
 
 if TYPE_CHECKING:
     from v3dcad.geometry.facets import Facets
@@ -35,29 +42,55 @@ class Structure(Forms):
     part: Part
     """as placed on the bed"""
     placement: Placement
-    settings: FillSettings
-    filling: Filling
+    filling: Filling | ThesisFilling
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
+
+    @property
+    def settings(self) -> FillSettings:
+        """What it was filled with; an offset of "auto" is the number it stood for."""
+        return self.filling.settings
 
     @property
     def sites(self) -> Floats:
         """(n, 2) mm: the sites at the base, as snapped to the engine's grid."""
         return self.filling.sites
 
+    @property
+    def walls(self) -> Walls:
+        """The walls of the structure in space: planar facets within the base rectangle."""
+        return self.filling.walls
+
+    @property
+    def strut_axes(self) -> StrutAxes:
+        """The lines where three walls meet, within the base rectangle."""
+        return self.filling.strut_axes
+
+    def at(self, z: float) -> Diagram:
+        """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
+        (section,) = self.part.sections(np.array([z]))
+        return self.filling.at(z, section)
+
+    def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
+        """The certificate: how every layer rests on the one below."""
+        return overhang(self.layers, bead_width)
+
+    def properties(
+        self, bead_width: float = PrintSettings().bead_width, density: float = 1.24
+    ) -> Properties:
+        """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
+        return properties(self.layers, self.settings.layer_height, bead_width, density)
+
     def facets(self) -> Facets:
         """The walls between cells in space, bed coordinates, from the base to above the top."""
         from v3dcad.geometry.facets import welded_facets
 
-        if self.settings.method == "thesis":
-            raise SettingError(
-                "method",
-                "the thesis's method moves inserted cells from layer to layer, so that they have "
-                "no plane walls in space: use method='continuous', or wires and beads",
-            )
+        if not isinstance(self.filling, Filling):
+            return self.filling.walls  # which says why there are none
         # An empty section above the top lets the walls go on from the last layer to there.
         above = Section(float(self.part.bounds[1, 2]) + 1.0, ())
         filling = fill_sections([*self.filling.sections, above], self.sites, self.settings)
+        assert isinstance(filling, Filling)
         walls, everyone = filling.walls, filling.history.sites.by_site()
         places = filling.grid.millimetres(everyone.places)
         return welded_facets(walls.sites, walls.points, walls.starts, places)
@@ -66,7 +99,7 @@ class Structure(Forms):
         """What an `.ont` file needs to make this structure again."""
         sites = np.column_stack([self.sites, np.zeros(len(self.sites))])
         return Recipe(
-            self.settings.offset,
+            float(self.settings.offset),
             self.settings.layer_height,
             sites,
             self.part.mesh(),
@@ -80,23 +113,29 @@ class Structure(Forms):
         with written_beside(Path(path)) as beside:
             beside.write_text(ont_text(self.recipe()), encoding="utf-8", newline="\n")
 
-    def trace(self, settings: PrintSettings) -> Iterator[Toolpath]:
-        """The toolpath of each layer."""
-        from v3dcad.toolpath.beads import trace
+    def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> Print:
+        """Write G-code, the part in the middle of the bed, and tell what the print takes.
 
-        return trace(self.layers, settings)
-
-    def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> None:
-        """Write G-code for a Marlin printer, the part in the middle of the bed.
-
-        Raises `SettingError` where the part is larger than the bed.
+        Raises `SettingError` where the part is larger than the printer.
         """
         from v3dcad.formats.gcode import check_fits, write_gcode
+        from v3dcad.toolpath.beads import trace
+        from v3dcad.toolpath.report import LayerReport, findings
 
         settings = settings or PrintSettings()
         check_fits(self.part.bounds, settings)
+        reports: list[LayerReport] = []
+        toolpaths = trace(self.layers, settings, reports.append)
         with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
-            write_gcode(stream, self.trace(settings), settings)
+            totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
+        return Print(totals, reports, findings(reports))
+
+    def _thumbnail(self) -> bytes:
+        from v3dcad.view.picture import draw
+
+        picture = io.BytesIO()
+        draw(self.layers, picture, shown=40, pixels=220)
+        return picture.getvalue()
 
     def write_png(self, path: str | Path) -> None:
         """Draw the layers in perspective."""
@@ -112,42 +151,27 @@ class Structure(Forms):
             found.append("the .ont file holds the part's tessellation, not its exact surface")
         return found
 
-    def report(self) -> dict[str, Any]:
-        """Counts, lengths (mm) and settings, as plain values for JSON."""
-        rows = [_layer_report(layer) for layer in self.layers]
-        return {
-            "part": self.part.name,
-            "size_mm": np.ptp(self.part.bounds, axis=0).tolist(),
-            "findings": list(self.part.findings),
-            "settings": {
-                name: getattr(self.settings, name) for name in FillSettings.__dataclass_fields__
-            },
-            "layers": len(rows),
-            "cells": max(row["cells"] for row in rows),
-            "walls": sum(row["walls"] for row in rows),
-            "wall_length_mm": sum(row["wall_length_mm"] for row in rows),
-            "contour_length_mm": sum(row["contour_length_mm"] for row in rows),
-            "by_layer": rows,
-        }
+    def report(
+        self, printing: PrintSettings | None = None, printed: Print | None = None
+    ) -> dict[str, Any]:
+        """Counts, lengths (mm), settings and certificate as plain values for JSON.
 
-    def write_report(self, path: str | Path) -> None:
-        """Write `report()` as JSON."""
+        `printed` is what `write_gcode` told, for the same print settings.
+        """
+        width = (printing or PrintSettings()).bead_width
+        return report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
+
+    def write_report(
+        self,
+        path: str | Path,
+        printing: PrintSettings | None = None,
+        printed: Print | None = None,
+    ) -> dict[str, Any]:
+        """Write `report()` as JSON, and give it back."""
+        told = self.report(printing, printed)
         with written_beside(Path(path)) as beside:
-            beside.write_text(json.dumps(self.report(), indent=1) + "\n", encoding="utf-8")
-
-
-def _layer_report(layer: Layer) -> dict[str, Any]:
-    diagram = layer.diagram
-    lengths, inner = diagram.lengths(), diagram.inner()
-    return {
-        "layer": layer.index,
-        "z_mm": layer.z,
-        "cells": len(diagram.sites()),
-        "walls": len(diagram.neighbours),
-        "wall_length_mm": float(lengths[inner].sum()),
-        "contour_length_mm": float(lengths[~inner].sum()),
-        "area_per_cell_mm2": layer.area_per_cell,
-    }
+            beside.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        return told
 
 
 def build(part: Part, settings: FillSettings, sites: Floats | density | None = None) -> Structure:
@@ -171,9 +195,13 @@ def build(part: Part, settings: FillSettings, sites: Floats | density | None = N
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
-    sections = part.sections(layer_heights(float(part.bounds[1, 2]), settings.layer_height))
-    filling = fill_sections(sections, sites, settings)
-    return Structure(part, placement, settings, filling, filling.layers)
+    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    if settings.method == "thesis" and settings.interpolate:
+        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
+        assert isinstance(ends, ThesisFilling)
+        return Structure(part, placement, ends, lofted(ends, heights))
+    filling = fill_sections(part.sections(heights), sites, settings)
+    return Structure(part, placement, filling, filling.layers)
 
 
 def fill(
@@ -208,42 +236,8 @@ def _fill_recipe(path: Path, sites: Any, settings: dict[str, Any]) -> Structure:
     return fill(MeshPart(recipe.name, recipe.boundary), sites=sites, **{**known, **settings})
 
 
-def read_recipe(path: Path) -> Recipe:
-    """The recipe in an `.ont` file."""
-    from v3dcad.formats.ont import read_ont
-
-    check_readable(path)
-    return read_ont(path)
-
-
 def _settings(chosen: dict[str, Any]) -> FillSettings:
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
             raise SettingError(name, f"there is no setting {name!r}")
     return FillSettings(**chosen)
-
-
-def describe(path: Path) -> dict[str, str]:
-    """What a part or an `.ont` file holds, as lines to show."""
-    if path.suffix.lower() == ".ont":
-        recipe = read_recipe(path)
-        held = {
-            "kind": ".ont",
-            "offset": f"{recipe.offset:g} mm² a layer",
-            "layer height": f"{recipe.layer_height:g} mm",
-            "sites": f"{len(recipe.sites)}",
-        }
-        part: Part = MeshPart(recipe.name, recipe.boundary)
-    else:
-        part = part_from(path)
-        held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
-    low, high = part.bounds
-    corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]
-    return {
-        "name": part.name,
-        **held,
-        "size": " × ".join(f"{value:.6g}" for value in high - low) + " mm",
-        "from, to": f"({corners[0]}), ({corners[1]}) mm",
-        **part.contents(),
-        **{f"note {k}": finding for k, finding in enumerate(part.findings, start=1)},
-    }

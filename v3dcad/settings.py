@@ -122,6 +122,23 @@ class FillSettings(Checked):
         "How cells are born: continuous, or as in the thesis.",
         choices=("continuous", "thesis"),
     )
+    interpolate: bool = setting(
+        False,
+        "Compute the first and last layer only and loft between them, cell by cell "
+        "(thesis's method).",
+    )
+    boundary_tolerance: float = setting(
+        0.01,
+        "How close to the contour a corner counts as on it (thesis's method).",
+        unit="mm",
+        above=0,
+    )
+    weight_step: float = setting(
+        0.0,
+        "Steps in which an inserted cell's weight is lowered (thesis's method); 0 for the offset.",
+        unit="mm²",
+        least=0,
+    )
 
 
 START = """\

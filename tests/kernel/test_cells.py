@@ -10,7 +10,7 @@ from build123d import Axis, Box, Cylinder, Pos, fillet
 from occt import area_of, distinct, faces_of, is_valid, occurrences, solids_of, volume_of
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopoDS import TopoDS_Shape
-from oracle import power_diagram
+from one_diagram import power_diagram
 from walls_oracle import power_walls
 
 from v3dcad.errors import KernelError, SettingError

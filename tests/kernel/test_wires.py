@@ -13,7 +13,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Ellipse
 from OCP.TopAbs import TopAbs_VERTEX
 from OCP.TopoDS import TopoDS
-from oracle import power_diagram
+from one_diagram import GRID, power_diagram
 
 from v3dcad.geometry.contours import contours
 from v3dcad.kernel.wires import layer_trails, layer_wires
@@ -37,7 +37,9 @@ def layer_of(section: Section, sites: Floats) -> Layer:
 
 
 def sites_in(radius: float, count: int = 25) -> Floats:
-    return np.random.default_rng(5).uniform(-radius, radius, (count, 2))
+    return GRID.millimetres(
+        GRID.snap(np.random.default_rng(5).uniform(-radius, radius, (count, 2)))
+    )
 
 
 def washer() -> Section:

@@ -243,6 +243,14 @@ def test_solid_layers_cover_the_section() -> None:
     assert np.dot(*directions) == pytest.approx(0, abs=1e-9)
 
 
+def test_solid_lines_are_joined_by_short_steps_only() -> None:
+    made = layer(scattered(25, 10, 3), square(10, hole=4))
+    (path,), _ = traced(made, bottom_layers=1)
+    inside = area_of(made.section).buffer(-0.8, join_style="mitre")
+    assert drawn(path, SOLID).length == pytest.approx(inside.area / 0.8, rel=0.1)
+    assert inside.buffer(1e-6).covers(drawn(path, SOLID))
+
+
 def test_layers_are_streamed() -> None:
     taken = 0
 

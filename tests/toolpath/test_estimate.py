@@ -41,6 +41,14 @@ def test_a_right_angle_is_passed_at_the_corner_speed() -> None:
     assert found == pytest.approx(2 * one)
 
 
+def test_a_faster_move_speeds_up_after_the_slower_one() -> None:
+    moves = np.array([[10.0, 0, 0], [100, 0, 0]])
+    found = move_seconds(
+        moves, moves[:, 0], np.zeros(2), np.array([10.0, 50]), PrintSettings(acceleration=500)
+    )
+    assert found == pytest.approx([10 / 500 + 9.9 / 10, 40 / 500 + 50 / 500 + 95.1 / 50])
+
+
 def test_turning_back_stops() -> None:
     assert seconds([[50, 0, 0], [-50, 0, 0]], 50) == pytest.approx(2 * seconds([[50, 0, 0]], 50))
 

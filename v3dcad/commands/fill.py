@@ -16,6 +16,7 @@ from v3dcad.settings import FillSettings, PrintSettings
 
 if TYPE_CHECKING:
     from v3dcad.pipeline import Structure
+    from v3dcad.report import Print
 
 OUTPUTS = ("gcode", "ont", "step", "png", "report")
 """What `fill` writes, in this order: the one that may refuse the part comes first."""
@@ -63,14 +64,18 @@ def fill(
         progress.start("reading and cutting the part")
         structure = fill_part(part, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
+        printed: Print | None = None
         for kind, file in files.items():
             progress.start(f"writing {file}")
             if kind == "gcode":
-                watched.write_gcode(file, printing)
-            else:
+                printed = watched.write_gcode(file, printing)
+            elif kind != "report":
                 getattr(watched, f"write_{kind}")(file)
-        progress.start("counting")
-        summary = watched.report()
+        progress.start("checking what holds up each layer")
+        if "report" in files:
+            summary = watched.write_report(files["report"], printing, printed)
+        else:
+            summary = watched.report(printing, printed)
     _print_summary(structure, summary, files)
 
 
@@ -101,6 +106,8 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
 
 
 def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[str, Path]) -> None:
+    from v3dcad.report import certificate_line
+
     width, depth, height = summary["size_mm"]
     print_rows(
         [
@@ -109,14 +116,29 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("cells", f"{summary['cells']}"),
             ("walls", f"{summary['walls']}"),
             ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m"),
+            ("births", f"{len(summary['births'])}"),
+            ("offset", f"{summary['settings']['offset']:.6g} mm² a layer"),
+            ("overhang", certificate_line(summary["overhang"])),
+            *_print_rows(summary.get("print")),
             *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values()),
             *(("note", finding) for finding in structure.findings(files)),
+            *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ]
     )
 
 
+def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
+    if printed is None:
+        return []
+    hours, minutes = divmod(round(printed["time_s"] / 60), 60)
+    return [
+        ("print time", f"{hours} h {minutes:02d} min, without heating"),
+        ("filament", f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g"),
+    ]
+
+
 def info(file: Annotated[Path, typer.Argument(help="STEP, STL, BREP or .ont file.")]) -> None:
     """Tell what a part or an .ont file holds."""
-    from v3dcad.pipeline import describe
+    from v3dcad.parts import describe
 
     print_rows(describe(file).items())

@@ -17,7 +17,7 @@ from v3dcad.geometry.motion import move_seconds
 from v3dcad.settings import PrintSettings
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*")
-REMARK = re.compile(r"\(.*?\)|;.*|\*\d+\s*$")
+REMARK = re.compile(r"\([^()]*\)|;.*|\*\d+\s*$")
 LIMIT = re.compile(r"\b(ACCEL|SQUARE_CORNER_VELOCITY)\s*=\s*([\d.]+)", re.I)
 LONGEST_LINE = 4096
 ARC_STEP = 1.0

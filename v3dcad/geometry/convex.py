@@ -10,6 +10,7 @@ import numpy as np
 from v3dcad.errors import SettingError
 from v3dcad.geometry.facets import Facets
 from v3dcad.model import Floats, Ints, Mesh
+from v3dcad.settings import check_size
 
 
 class Polyhedron(NamedTuple):
@@ -128,8 +129,9 @@ def welded(solid: Polyhedron, tolerance: float) -> Polyhedron | None:
 def hollows(walls: Facets, thickness: float, low: Floats, high: Floats) -> list[Polyhedron]:
     """What walls of a thickness, mm, leave of the cells within the box low … high (3,).
 
-    Warns how many cells close up; raises `SettingError` where all do.
+    Warns how many cells close up; raises `SettingError` where all do, and for a thickness of 0.
     """
+    check_size("thickness", thickness)
     open_cells = inset_cells(walls, thickness / 2, low, high)
     closed = len(np.unique(walls.sites)) - len(open_cells)
     if not open_cells:

@@ -20,9 +20,11 @@ COMPILED: dict[str, Any] = {
     "cache": True,
     "nogil": True,
     "boundscheck": False,
+    "error_model": "numpy",
     "no_cfunc_wrapper": True,
 }
-"""How everything in the engine is compiled: no fastmath, so that bits do not depend on it."""
+"""How everything in the engine is compiled: no fastmath, so that bits do not depend on it, and no
+exceptions for divisions by zero, which would be in the way of inlining."""
 
 INTERNAL = {**COMPILED, "no_cpython_wrapper": True}
 """How functions are that only compiled code calls: without a way in from Python, which

@@ -7,7 +7,8 @@ any tolerance.
 
 One rule decides about nodes that lie in a plane: they are above it. A section is thus the limit
 from below. At the mesh's lowest height, where nothing is below, they are beneath it: the limit
-from above. Nodes closer than `SNAP` to a plane lie in it.
+from above. Nodes closer than `SNAP` to a plane lie in it. An edge in the plane that is a crest
+would be passed to and fro: both ways are left out.
 """
 
 from __future__ import annotations
@@ -17,12 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.model import Floats, Ints, Mesh, Section
 
 SNAP = 1e-9
 """mm: a node this close to a plane lies in it; a ring this thin has no area."""
+
+BASE = 1e-6
+"""mm: a plane this close to a part's lowest height is at its base, whose height the placing of
+the part knows no better."""
 
 BATCH = 4_000_000
 """Crossings held at a time: bounds the memory of a tall part with many planes."""
@@ -56,13 +62,13 @@ def section_mesh(mesh: Mesh, heights: Floats) -> list[Section]:
     """Sections of a closed mesh at ascending heights (k,), mm.
 
     Each is the limit from below, at the mesh's lowest height from above. Duplicate points,
-    retraced spikes and rings without area are dropped. `GeometryError` where the mesh is open
-    or heights do not ascend.
+    crests passed to and fro and rings without area are dropped. `GeometryError` where the mesh
+    is open or heights do not ascend.
     """
     sections = []
     edges = mesh_edges(mesh.triangles)
     first = 0
-    for count, crossings in cross_planes(mesh, edges, heights):
+    for count, crossings in cross_planes(mesh, edges, at_base(heights, mesh.vertices)):
         kept, starts = tidy(crossings.points, crossings.starts)
         points = crossings.points[kept]
         rings: list[list[Floats]] = [[] for _ in range(count)]
@@ -85,16 +91,30 @@ def mesh_edges(triangles: Ints) -> MeshEdges:
     tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     low, high = np.minimum(tail, head), np.maximum(tail, head)
     nodes = int(triangles.max(initial=-1)) + 1
-    key = (low * nodes + high) * 2 + (tail > head)
-    order = np.argsort(key, kind="stable")
-    forward, backward = order[key[order] % 2 == 0], order[key[order] % 2 == 1]
-    if len(forward) != len(backward) or np.any(key[forward] // 2 != key[backward] // 2):
+    forward, backward, unpaired = pair_sides(low * nodes + high, tail > head)
+    if unpaired:
         raise GeometryError(
             "the mesh is open, or its triangles do not wind alike: repair it before slicing"
         )
-    of_sides = np.empty(len(key), np.int64)
+    of_sides = np.empty(len(tail), np.int64)
     of_sides[forward] = of_sides[backward] = np.arange(len(forward))
     return MeshEdges(np.column_stack([low[forward], high[forward]]), of_sides.reshape(-1, 3))
+
+
+def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]:
+    """Pair sides (s,) of equal key that are passed one way with those passed the other way.
+
+    Returns the indices (e,) of the sides passed forward, those of their partners, and how many
+    sides have none.
+    """
+    order = np.argsort(key * 2 + backward, kind="stable")
+    sorted_key, against = key[order], backward[order]
+    there, back = order[~against], order[against]
+    if len(there) == len(back) and np.array_equal(sorted_key[~against], sorted_key[against]):
+        return there, back, 0
+    names = np.unique(key)
+    balance = np.bincount(np.searchsorted(names, key), np.where(backward, -1.0, 1.0))
+    return there[:0], back[:0], int(np.abs(balance).sum())
 
 
 def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tuple[int, Crossings]]:
@@ -103,8 +123,7 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     Yields how many planes the batch has, and its crossings, whose `planes` count from the
     batch's first. Edges are those of `mesh_edges`. `GeometryError` where heights do not ascend.
     """
-    if np.any(~np.isfinite(heights)) or np.any(np.diff(heights) < 0):
-        raise GeometryError("section heights: give finite heights in ascending order")
+    check_heights(heights)
     z = mesh.vertices[:, 2]
     levels = plane_levels(heights, float(z.min(initial=np.inf)))
     of_corners = z[mesh.triangles]
@@ -137,6 +156,18 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
         first = stop
 
 
+def at_base(heights: Floats, nodes: Floats) -> Floats:
+    """The heights (k,), those within `BASE` of the lowest node (n, 3) put exactly there."""
+    lowest = nodes[:, 2].min(initial=np.inf)
+    return np.where(np.abs(heights - lowest) < BASE, lowest, heights)
+
+
+def check_heights(heights: Floats) -> None:
+    """Raise `GeometryError` unless heights (k,) are finite and ascend."""
+    if np.any(~np.isfinite(heights)) or np.any(np.diff(heights) < 0):
+        raise GeometryError("section heights: give finite heights in ascending order")
+
+
 def plane_levels(heights: Floats, lowest: float) -> Floats:
     """(k,) least z of the nodes that are above each plane: the module's one rule."""
     base = np.abs(heights - lowest) < SNAP
@@ -150,6 +181,7 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
     descent = np.empty(total, np.int64)
     rise = np.empty(total, np.int64)
     crossed = np.empty(total, np.int64)
+    level = np.full(total, -1)
     place = before[:-1].copy()
     for triangle in range(len(triangles)):
         for plane in range(begin[triangle], end[triangle]):
@@ -157,14 +189,19 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
             place[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
-                tail_above = vertices[triangles[triangle, side], 2] >= levels[plane]
-                head_above = vertices[triangles[triangle, (side + 1) % 3], 2] >= levels[plane]
+                tail_z = vertices[triangles[triangle, side], 2]
+                head_z = vertices[triangles[triangle, (side + 1) % 3], 2]
+                tail_above, head_above = tail_z >= levels[plane], head_z >= levels[plane]
                 if tail_above and not head_above:
                     descent[slot] = edge_of[triangle, side]
                 elif head_above and not tail_above:
                     rise[slot] = edge_of[triangle, side]
+                elif max(abs(tail_z - heights[plane]), abs(head_z - heights[plane])) < SNAP:
+                    level[slot] = edge_of[triangle, side]
 
     follower = np.empty(len(edge_nodes), np.int64)
+    lies_on = np.full(len(edge_nodes), -1)
+    opposite = np.full(total, -1)
     points = np.empty((total, 2))
     edges = np.empty(total, np.int64)
     walked = np.empty(total, np.int64)
@@ -175,9 +212,14 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
     for plane in range(len(heights)):
         for slot in range(before[plane], before[plane + 1]):
             follower[descent[slot]] = slot
+            if level[slot] >= 0:
+                other = lies_on[level[slot]]
+                if other >= before[plane]:
+                    opposite[slot], opposite[other] = other, slot
+                lies_on[level[slot]] = slot
         for first in range(before[plane], before[plane + 1]):
             slot = first
-            while not done[slot]:
+            while opposite[slot] < 0 and not done[slot]:
                 done[slot] = True
                 edges[written] = descent[slot]
                 walked[written] = crossed[slot]
@@ -195,58 +237,56 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
                     ]
                 written += 1
                 slot = follower[rise[slot]]
+                while opposite[slot] >= 0:
+                    slot = follower[rise[opposite[slot]]]
             if written > starts[-1]:
                 starts.append(written)
                 planes.append(plane)
-    return points, edges, walked, np.array(starts), np.array(planes[1:], np.int64)
+    return (
+        points[:written],
+        edges[:written],
+        walked[:written],
+        np.array(starts),
+        np.array(planes[1:], np.int64),
+    )
 
 
 @njit(cache=True, nogil=True)
 def tidy(points, starts):  # type: ignore[no-untyped-def]
-    """Drop duplicate points, spikes passed to and fro, and rings thinner than `SNAP`.
+    """Drop duplicate points, and rings thinner than `SNAP`.
 
     Of points (p, 2) in rings that begin at starts (r + 1,) returns the indices of those to keep
-    and where each ring begins among them; a dropped ring has no points. Of equal points the last
-    stays, whose way to the next has a length.
+    and where each ring begins among them; a dropped ring has no points.
     """
     kept = np.empty(len(points), np.int64)
     new_starts = np.zeros(len(starts), np.int64)
-    bottom = 0
+    top = 0
     for ring in range(len(starts) - 1):
-        top = bottom
+        bottom = top
         for index in range(starts[ring], starts[ring + 1]):
-            if top - bottom >= 2 and _equal(points, kept[top - 2], index):
-                top -= 1
-            if top > bottom and _equal(points, kept[top - 1], index):
-                top -= 1
-            kept[top] = index
-            top += 1
-        first = bottom
-        while top - first >= 2:
-            long = top - first >= 3
-            if _equal(points, kept[top - 1], kept[first]) or (
-                long and _equal(points, kept[top - 2], kept[first])
-            ):
-                top -= 1
-            elif long and _equal(points, kept[top - 1], kept[first + 1]):
-                first += 1
-            else:
-                break
-        area, length = 0.0, 0.0
-        for place in range(first + 1, top):
-            here, back = points[kept[place]], points[kept[place - 1]]
-            origin = points[kept[first]]
-            area += (back[0] - origin[0]) * (here[1] - origin[1])
-            area -= (back[1] - origin[1]) * (here[0] - origin[0])
-            length += np.hypot(here[0] - back[0], here[1] - back[1])
-        if abs(area) > SNAP * length:
-            for place in range(first, top):
-                kept[bottom + place - first] = kept[place]
-            bottom += top - first
-        new_starts[ring + 1] = bottom
-    return kept[:bottom], new_starts
+            if top == bottom or _differ(points, kept[top - 1], index):
+                kept[top] = index
+                top += 1
+        while top > bottom + 1 and not _differ(points, kept[top - 1], kept[bottom]):
+            top -= 1
+        if is_thin(points[kept[bottom:top]]):
+            top = bottom
+        new_starts[ring + 1] = top
+    return kept[:top], new_starts
 
 
 @njit(cache=True, nogil=True)
-def _equal(points, one, other):  # type: ignore[no-untyped-def]
-    return points[one, 0] == points[other, 0] and points[one, 1] == points[other, 1]
+def _differ(points, one, other):  # type: ignore[no-untyped-def]
+    return points[one, 0] != points[other, 0] or points[one, 1] != points[other, 1]
+
+
+@njit(cache=True, nogil=True)
+def is_thin(ring):  # type: ignore[no-untyped-def]
+    """Whether the area of a ring (k, 2) is that of a line as wide as `SNAP`, or less."""
+    area, length = 0.0, 0.0
+    for place in range(1, len(ring)):
+        x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
+        back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
+        area += back_x * y - back_y * x
+        length += np.hypot(x - back_x, y - back_y)
+    return abs(area) <= SNAP * length

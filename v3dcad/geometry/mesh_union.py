@@ -10,6 +10,9 @@ from manifold3d import Error, Manifold, Mesh64, OpType
 from v3dcad.errors import GeometryError
 from v3dcad.model import Mesh
 
+SHORTEST = 1e-4
+"""mm; shorter edges are collapsed: float32, as STL and 3MF have it, would tear the mesh there."""
+
 
 def united(bodies: Sequence[Mesh | Manifold]) -> Mesh:
     """The union of closed meshes. `GeometryError` as `checked_mesh` raises it."""
@@ -44,7 +47,7 @@ def checked_mesh(body: Manifold) -> Mesh:
     """The mesh of a result. `GeometryError` where it is empty, open or turned inside out."""
     if body.status() != Error.NoError:
         raise GeometryError(f"the meshes could not be united ({body.status().name})")
-    found = body.to_mesh64()
+    found = body.simplify(SHORTEST).to_mesh64()
     mesh = Mesh(
         np.asarray(found.vert_properties)[:, :3].copy(),
         np.asarray(found.tri_verts).astype(np.int64),

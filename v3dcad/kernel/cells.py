@@ -60,7 +60,6 @@ def thick_walls(
     closed hull. Warns how many cells close up. Raises `SettingError` for a thickness of 0 or one
     that closes all cells, `KernelError` where OCCT fails or its result has no sound volume.
     """
-    check_size("thickness", thickness)
     if skin:
         check_size("skin", skin)
     low, high = bounds(solid)

@@ -13,7 +13,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from v3dcad.errors import KernelError
-from v3dcad.kernel.section import section
+from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes, volume
 from v3dcad.model import Floats, Mesh, Placement, Section
 
@@ -46,10 +46,8 @@ class SolidPart:
         return SolidPart(self.name, shape, bounds(shape), self.findings)
 
     def sections(self, heights: Floats) -> Sequence[Section]:
-        """Sections of the exact surfaces at each height (mm)."""
-        return [
-            section(self.shape, float(z), at_base=z < self.bounds[0, 2] + 1e-6) for z in heights
-        ]
+        """Sections of the exact surfaces at ascending heights (mm)."""
+        return list(section_solids(self.shape, heights))
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -26,6 +27,8 @@ from v3dcad.errors import KernelError, SettingError
 
 SCHEMAS = {"AP214": "AP214IS", "AP242": "AP242DIS"}
 
+TEAL = (0.12, 0.44, 0.55)
+
 Colour = tuple[float, float, float]
 """Red, green and blue, 0 … 1 (sRGB)."""
 
@@ -35,7 +38,7 @@ class Named(NamedTuple):
 
     name: str
     shape: TopoDS_Shape
-    colour: Colour = (0.12, 0.44, 0.55)
+    colour: Colour | None = None
 
 
 def write_step(
@@ -71,6 +74,30 @@ def write_step(
     header.SetName(TCollection_HAsciiString(name))
     if writer.Write(str(path)) != IFSelect_RetDone:
         raise KernelError(f"{path}: OCCT cannot write this file")
+    if not curves:
+        path.write_bytes(_settled(path.read_bytes()))
+
+
+STYLE = re.compile(
+    rb"(PRESENTATION_REPRESENTATION\('',\(\s*#\d+\),)(#\d+)"
+    rb"(\);\s*#\d+ = STYLED_ITEM\('color',\(#\d+\),)(#\d+)(?=\))"
+)
+"""A colour's entry in a file: after the first and the third group stand what it is given to."""
+
+
+def _settled(text: bytes) -> bytes:
+    """The file with its colours given in the order of the shapes.
+
+    OCCT gives them in the order of addresses in memory, another one in each run.
+    """
+    found = sorted((pair[1::2] for pair in STYLE.findall(text)), key=lambda pair: int(pair[1][1:]))
+    ordered = iter(found)
+
+    def given(entry: re.Match[bytes]) -> bytes:
+        context, item = next(ordered)
+        return entry[1] + context + entry[3] + item
+
+    return STYLE.sub(given, text)
 
 
 def write_brep(shape: TopoDS_Shape, path: Path) -> None:
@@ -88,5 +115,6 @@ def _document(shapes: Iterable[Named]) -> TDocStd_Document:
     for title, shape, colour in shapes:
         label = tool.AddShape(shape, False)
         TDataStd_Name.Set_s(label, TCollection_ExtendedString(title))
-        colours.SetColor(label, Quantity_Color(*colour, Quantity_TOC_sRGB), XCAFDoc_ColorGen)
+        if colour is not None:
+            colours.SetColor(label, Quantity_Color(*colour, Quantity_TOC_sRGB), XCAFDoc_ColorGen)
     return document

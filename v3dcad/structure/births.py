@@ -11,9 +11,9 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
-from v3dcad.geometry.grid import HEAVIEST
+from v3dcad.geometry.grid import HEAVIEST, STEPS
 from v3dcad.geometry.kinetics import ALWAYS, LAST, MOTION, NOW, add_point
-from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, SENTINELS, TRIANGLES, locate
+from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLES, locate
 
 FLOAT, SIDES = types.float64, types.int8[::1]
 
@@ -50,17 +50,53 @@ def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
     return qx * (qx - 2 * vx) + qy * (qy - 2 * vy) + weight
 
 
-@njit(types.boolean(MESH, types.int64[::1], WORD, WORD, WORD, FLOAT), **INTERNAL)
-def keeps_distance(mesh, growth, x, y, grows, reach):  # type: ignore[no-untyped-def]
-    """Whether a site at (x, y) is at least `reach` from every live site per step of growth apart.
+@njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)
+def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-untyped-def]
+    """Whether a site at (x, y) is at least `reach` from a point per step of growth between them.
 
-    Faster sites count as slower ones do: the wall between the two leans as much.
+    Faster points count as slower ones do: the wall between the two leans as much.
     """
-    for point in range(SENTINELS, mesh.count[POINTS]):
-        apart = abs(grows - growth[point]) * reach
-        dx, dy = mesh.points[point, 0] - x, mesh.points[point, 1] - y
-        if dx * dx + dy * dy < apart * apart and mesh.triangle_of[point] != NOTHING:
-            return False
+    apart = abs(grows - growth[point]) * reach
+    dx, dy = points[point, 0] - x, points[point, 1] - y
+    return dx * dx + dy * dy >= apart * apart
+
+
+@njit(types.void(MESH, WORD, ROW, ROW), **INTERNAL)
+def _list_by_place(mesh, side, first, listed):  # type: ignore[no-untyped-def]
+    """List live points by squares of a `side` × `side` grid: first (side² + 1,), listed (p,)."""
+    points, live = mesh.points, mesh.triangle_of
+    for square in range(len(first)):
+        first[square] = 0
+    for writing in range(2):
+        for point in range(SENTINELS, mesh.count[POINTS]):
+            if live[point] != NOTHING:
+                row, column = points[point, 1] * side, points[point, 0] * side
+                square = min(row // STEPS, side - 1) * side + min(column // STEPS, side - 1)
+                if writing:
+                    first[square] -= 1
+                    listed[first[square]] = point
+                else:
+                    first[square] += 1
+        if not writing:
+            for square in range(1, len(first)):
+                first[square] += first[square - 1]
+
+
+@njit(types.boolean(MESH, types.int64[::1], *[WORD] * 3, FLOAT, FLOAT, WORD, ROW, ROW), **INTERNAL)
+def keeps_distance(  # type: ignore[no-untyped-def]
+    mesh, growth, x, y, grows, reach, farthest, side, first, listed
+):
+    """Whether a site at (x, y) is apart from every listed point; none is asked for more than
+    `farthest` grid steps.
+    """
+    west, east = int((x - farthest) * side / STEPS), int((x + farthest) * side / STEPS)
+    south, north = int((y - farthest) * side / STEPS), int((y + farthest) * side / STEPS)
+    for row in range(max(south, 0), min(north, side - 1) + 1):
+        for column in range(max(west, 0), min(east, side - 1) + 1):
+            square = row * side + column
+            for place in range(first[square], first[square + 1]):
+                if not is_apart(mesh.points, growth, listed[place], x, y, grows, reach):
+                    return False
     return True
 
 
@@ -116,6 +152,16 @@ def ripe(motion, point, gain):  # type: ignore[no-untyped-def]
     return motion.born[point] == ALWAYS or motion.growth[point] * age >= gain
 
 
+@njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
+def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
+    """The place of a triangle's newborn, its centroid, and its growth."""
+    fastest = max(growth[a], growth[b], growth[c])
+    equal = growth[a] == growth[b] and growth[b] == growth[c]
+    x = (points[a, 0] + points[b, 0] + points[c, 0] + 1) // 3
+    y = (points[a, 1] + points[b, 1] + points[c, 1] + 1) // 3
+    return x, y, fastest + equal
+
+
 @njit(WORD(MESH, MOTION, SIDES, WORD, FLOAT, FLOAT), **INTERNAL)
 def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
@@ -129,12 +175,27 @@ def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-u
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
     time, total = motion.state[NOW], mesh.count[TRIANGLES]
     holes, places = np.empty(total), np.empty(total, np.int32)
-    length, born = 0, 0
+    side = int(np.sqrt(mesh.count[POINTS] / 4)) + 1
+    first, listed = np.empty(side * side + 1, np.int32), np.empty(mesh.count[POINTS], np.int32)
+    _list_by_place(mesh, side, first, listed)
+    length, born, before, fastest = 0, 0, mesh.count[POINTS], 0
+    for point in range(SENTINELS, before):
+        fastest = max(fastest, growth[point])
+    farthest = (fastest + 1) * reach
     for triangle in range(total):
-        if inside[triangle] == 1 and triangles[triangle, 0] != NOTHING:
-            a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-            holes[length], places[length] = orthocentre_power(points, a, b, c), triangle
-            length += 1
+        if inside[triangle] != 1 or triangles[triangle, 0] == NOTHING:
+            continue
+        a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+        if ripe(motion, a, gain) and ripe(motion, b, gain) and ripe(motion, c, gain):
+            x, y, grows = newborn_at(points, growth, a, b, c)
+            if (
+                is_apart(points, growth, a, x, y, grows, reach)
+                and is_apart(points, growth, b, x, y, grows, reach)
+                and is_apart(points, growth, c, x, y, grows, reach)
+                and keeps_distance(mesh, growth, x, y, grows, reach, farthest, side, first, listed)
+            ):
+                holes[length], places[length] = orthocentre_power(points, a, b, c), triangle
+                length += 1
     for at in range(length // 2 - 1, -1, -1):
         _sink(holes, places, at, length)
     while born < wanted and length > 0:
@@ -143,20 +204,20 @@ def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-u
         holes[0], places[0] = holes[length], places[length]
         _sink(holes, places, 0, length)
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        if not (ripe(motion, a, gain) and ripe(motion, b, gain) and ripe(motion, c, gain)):
+        if max(a, b, c) >= before:  # a newborn has just been put here
             continue
         q = mesh.count[POINTS]
-        fastest = max(growth[a], growth[b], growth[c])
-        grows = fastest + (growth[a] == growth[b] and growth[b] == growth[c])
-        points[q, 0] = round((points[a, 0] + points[b, 0] + points[c, 0]) / 3)
-        points[q, 1] = round((points[a, 1] + points[b, 1] + points[c, 1]) / 3)
-        x, y = points[q, 0], points[q, 1]
+        x, y, grows = newborn_at(points, growth, a, b, c)
         if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
             continue
-        if not keeps_distance(mesh, growth, x, y, grows, reach):
-            continue
+        alone = True
+        for other in range(before, q):
+            alone = alone and is_apart(points, growth, other, x, y, grows, reach)
+        points[q, 0], points[q, 1] = x, y
         guess = empty_until(points, q, a, b, c)
-        if abs(guess) > HEAVIEST or not weigh_newborn(mesh, q, a, b, c, int(guess)):
+        if not alone or abs(guess) > HEAVIEST:
+            continue
+        if not weigh_newborn(mesh, q, a, b, c, int(guess)):
             continue
         growth[q], motion.base[q] = grows, points[q, 2] - grows * time
         if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.spatial import KDTree
 
 from v3dcad.geometry.grid import Grid, curve_order
 from v3dcad.geometry.support import distance_to_walls
@@ -211,19 +210,3 @@ def _closed(ring: Floats) -> shapely.Geometry:
 def section_area(section: Section) -> shapely.Geometry:
     """The section as one shapely polygon or multipolygon."""
     return shapely.build_area(shapely.multilinestrings([_closed(r) for r in section.rings]))
-
-
-def largest_offset(
-    sites: Floats, grows: np.ndarray, layer_height: float, max_overhang: float
-) -> float:
-    """The largest offset, mm² a layer, with which no wall leans more than `max_overhang` degrees.
-
-    A wall of sites d apart leans by tan θ = offset / (2 · d · layer_height). Of all pairs of a
-    growing and a resting site the nearest one are neighbours in the Voronoi diagram (no third
-    site fits between them without making a nearer pair), so the bound is met already at the
-    base. Infinite at 90°, or where all sites are of one kind.
-    """
-    if max_overhang >= 90 or grows.all() or not grows.any():
-        return np.inf
-    nearest = np.min(KDTree(sites[grows]).query(sites[~grows])[0])
-    return float(2 * nearest * layer_height * np.tan(np.radians(max_overhang)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -18,7 +19,9 @@ DISTANCE = 2.2
 """From the eye to the part's middle, in sizes of the part."""
 
 
-def draw(layers: Sequence[Layer], path: Path, shown: int = 120, pixels: int = 1200) -> None:
+def draw(
+    layers: Sequence[Layer], target: Path | BinaryIO, shown: int = 120, pixels: int = 1200
+) -> None:
     """Draw about `shown` of the layers, evenly chosen, as a PNG of pixels × pixels.
 
     From the lowest to the highest each section is painted over those below, its walls in one
@@ -63,7 +66,7 @@ def draw(layers: Sequence[Layer], path: Path, shown: int = 120, pixels: int = 12
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.set_axis_off()
-    figure.savefig(path, format="png", facecolor=BACKGROUND, metadata={"Software": None})
+    figure.savefig(target, format="png", facecolor=BACKGROUND, metadata={"Software": None})
 
 
 def _raised(layer: Layer, points: Floats) -> Floats:

@@ -1,0 +1,32 @@
+"""One power diagram at a time, of any weights, by the engine: what layers with a history need."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from v3dcad.geometry.grid import Grid, curve_order
+from v3dcad.geometry.kinetics import ALWAYS
+from v3dcad.model import Diagram, Floats, Section
+from v3dcad.structure.course import Course, Timed
+
+Engine = Callable[[Floats, Floats, Section], Diagram]
+"""(sites (n, 2) mm, weights (n,) mm², section) → their power diagram inside the section."""
+
+
+def diagrams_on(grid: Grid) -> Engine:
+    """The function that makes power diagrams of sites and weights snapped to a grid.
+
+    It raises `GeometryError` for sites or sections that the engine cannot compute with.
+    """
+
+    def diagram_of(sites: Floats, weights: Floats, section: Section) -> Diagram:
+        places, heavy = grid.snap(sites), grid.snap_weights(weights)
+        order = curve_order(places)
+        still, always = np.zeros(len(order), np.int64), np.full(len(order), ALWAYS)
+        standing = Timed(places[order], heavy[order], still, always, order)
+        course = Course(grid, standing, 0.0, np.array([section.z]), slope=1.0)
+        return next(course.run([section], 0, np.inf)).diagram
+
+    return diagram_of

@@ -1,0 +1,235 @@
+"""The thesis's layer loop (Algorithm 1): each layer from the one below it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NoReturn
+
+import numpy as np
+
+from v3dcad.errors import SettingError
+from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.tree import spanning_tree
+from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
+from v3dcad.settings import FillSettings
+from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.overhang import all_neighbours
+from v3dcad.structure.single import Engine, diagrams_on
+from v3dcad.structure.thesis.cells import present, rings
+from v3dcad.structure.thesis.insert import inserted, shared_vertex
+from v3dcad.structure.thesis.inset import STEP, inset
+from v3dcad.structure.thesis.proximity import cells_on_boundary
+from v3dcad.structure.thesis.settle import settle
+from v3dcad.structure.thesis.state import GROWS, INITIAL, STAYS, UNTOUCHED, State, initial_state
+from v3dcad.structure.thesis.tree import walked
+
+EQUAL = 1e-9
+"""Areas per cell that differ by less than this share are equal: no rounding calls for a site."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ThesisLayer(Layer):
+    """A layer with what the thesis's plug-in puts out besides; `diagram` is the one after inset.
+
+    DL is `area_per_cell` of the layers, MST their `tree`, VT their `cells()`.
+    """
+
+    diagram_before_inset: Diagram
+    """POT: the power diagram, whose cells are convex where the section's boundary lets them"""
+    inserted: Ints
+    """(i,) IPL: ids of the inserted sites up to this layer, in order of insertion"""
+    cell_order: Ints
+    """(c,) CVT: ids of the cells in the order in which Prim's algorithm reaches them"""
+    inset_distance: Floats
+    """(n,) POL: mm by which each cell is drawn in"""
+    unanswered: bool
+    """whether a site was to be inserted, but no cell qualified"""
+
+    @property
+    def neighbours(self) -> Ints:
+        """NT: (m, 2) site ids, i < j, of the cells that share an edge."""
+        return self.diagram_before_inset.neighbours
+
+    def cells(self) -> dict[int, list[Floats]]:
+        """Each cell's rings (k, 2), mm, after the inset, in the order of `cell_order`."""
+        return {
+            site: [self.diagram.vertices[ring] for ring in rings(self.diagram, site)]
+            for site in self.cell_order.tolist()
+        }
+
+
+class ThesisLayers(Sequence[Layer]):
+    """The layers of a structure by the thesis's method, held one at a time.
+
+    Going through them in order computes each once. A single one costs all those below it, but
+    for the first asked for after one below it.
+    """
+
+    def __init__(self, filling: ThesisFilling) -> None:
+        self._filling = filling
+        self._reached: ThesisLayer | None = None
+        self._onward: Iterator[ThesisLayer] = iter(())
+
+    def __len__(self) -> int:
+        return len(self._filling.sections)
+
+    def __iter__(self) -> Iterator[ThesisLayer]:
+        return self._filling.climb()
+
+    def __getitem__(self, index: int) -> ThesisLayer:  # type: ignore[override]
+        """Layer `index`; negative ones count from the top."""
+        index = range(len(self))[index]
+        layer = self._reached
+        if layer is None or layer.index > index:
+            self._onward = iter(self)
+            layer = next(self._onward)
+        while layer.index < index:
+            layer = next(self._onward)
+        self._reached = layer
+        return layer
+
+
+def _no_space(what: str) -> SettingError:
+    return SettingError(
+        "method", f"--method thesis: its layers have no {what}; take the continuous method"
+    )
+
+
+class ThesisFilling:
+    """Sections filled by the thesis's method: each layer comes from the one below."""
+
+    def __init__(
+        self,
+        sections: Sequence[Section],
+        places: Ints,
+        grid: Grid,
+        settings: FillSettings,
+        diagram_of: Engine | None = None,
+    ) -> None:
+        """Sites stand on places (n, 2) of a grid; any function may make the diagrams."""
+        self.sections = sections
+        self.grid = grid
+        self.diagram_of = diagram_of or diagrams_on(grid)
+        self.sites = grid.millimetres(places)
+        """(n, 2) mm: the sites at the start, as snapped to the grid"""
+        nothing = np.zeros(len(places))
+        pairs = all_neighbours(SiteState(self.sites, nothing, nothing, nothing))
+        self.grows = growing(len(places), spanning_tree(places, pairs))
+        """(n,) which of them grow: odd levels of the tree of the whole diagram"""
+        self.offset = settled_offset(settings, self.sites, self.grows)
+        """mm² a layer"""
+        self.settings = replace(settings, offset=self.offset)
+        """the settings, with the offset that "auto" stands for"""
+        self._told: tuple[Ints, Ints] | None = None
+
+    @property
+    def layers(self) -> ThesisLayers:
+        """The layers, one for each section."""
+        return ThesisLayers(self)
+
+    @property
+    def births(self) -> Ints:
+        """(b, 2) which layer gave birth to which site; goes through the layers where nobody has."""
+        return self._history()[0]
+
+    @property
+    def unanswered(self) -> Ints:
+        """(u,) the layers that were to get a site, but no cell qualified."""
+        return self._history()[1]
+
+    @property
+    def walls(self) -> NoReturn:
+        """Refused: layers that come one from the other are not slices of walls in space."""
+        raise _no_space("walls")
+
+    @property
+    def strut_axes(self) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("strut axes")
+
+    def at(self, z: float, section: Section | None = None) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("diagrams between layers")
+
+    def _history(self) -> tuple[Ints, Ints]:
+        if self._told is None:
+            for _ in self.climb():
+                pass
+        assert self._told is not None
+        return self._told
+
+    def tree_of(self, sites: Floats, diagram: Diagram) -> Ints:
+        """The minimum spanning tree (m, 2) of a diagram's neighbours, by the sites' distance."""
+        tree = spanning_tree(self.grid.snap(sites), np.array(diagram.neighbours))
+        return np.asarray(tree[np.lexsort(tree.T[::-1])])
+
+    def climb(self) -> Iterator[ThesisLayer]:
+        """The layers from the first to the last, one at a time (Algorithm 1).
+
+        Where area per cell lies above that of the first layer, the next layer gets one more
+        site, unless `settings.insertion` is off. Layers without area count for nothing in that.
+        """
+        tolerance = self.settings.boundary_tolerance
+        step = self.settings.weight_step or self.offset
+        state = initial_state(self.sites)
+        first: ThesisLayer | None = None
+        below: ThesisLayer | None = None
+        unanswered: list[int] = []
+        for index, section in enumerate(self.sections):
+            state = state.grown(self.offset)
+            wanted = (
+                self.settings.insertion
+                and first is not None
+                and below is not None
+                and below.area_per_cell > first.area_per_cell * (1 + EQUAL)
+            )
+            born = self._with_insertion(state, below, index) if wanted and below else None
+            state, diagram = settle(born or state, section, self.diagram_of, step)
+            state, after = inset(state, diagram, section, tolerance)
+            if not index:
+                state = replace(state, tags=np.where(self.grows, GROWS, STAYS))
+            layer = self._layer(index, state, diagram)
+            layer = replace(layer, diagram=after, unanswered=wanted and born is None)
+            unanswered += [index] * layer.unanswered
+            yield layer
+            if not index:
+                # As line 39 has it: once after the first layer's diagram, again on the next.
+                state = state.grown(self.offset)
+            below = layer if section.rings else None
+            first = first or below
+        newborn = state.inserted()
+        births = np.column_stack([state.born_in[newborn], newborn])
+        self._told = births, np.array(unanswered, np.int64)
+
+    def _with_insertion(self, state: State, below: ThesisLayer, index: int) -> State | None:
+        """The state with one more site for layer `index`; None where no cell qualifies."""
+        diagram, tolerance = below.diagram_before_inset, self.settings.boundary_tolerance
+        touching = cells_on_boundary(diagram, below.section, len(state.sites), tolerance)
+        place = shared_vertex(state, diagram, touching)
+        return place and inserted(state, diagram, *place, index, self.offset)
+
+    def _layer(self, index: int, state: State, diagram: Diagram) -> ThesisLayer:
+        areas = diagram.areas(len(state.sites))
+        cells = int(present(diagram, len(state.sites)).sum())
+        tree = self.tree_of(state.sites, diagram)
+        heights = np.array([self.sections[layer].z for layer in state.born_in.tolist()])
+        speed = self.offset / self.settings.layer_height
+        return ThesisLayer(
+            index=index,
+            section=self.sections[index],
+            state=SiteState(
+                sites=state.sites,
+                weights=state.weights,
+                growth=np.multiply(state.tags, speed, dtype=np.float64),
+                born_at=np.where(state.born_in == INITIAL, 0.0, heights),
+            ),
+            diagram=diagram,
+            tree=tree,
+            area_per_cell=float(areas.sum()) / max(cells, 1),
+            diagram_before_inset=diagram,
+            inserted=state.inserted(),
+            cell_order=walked(diagram.sites(), tree, state.sites),
+            inset_distance=np.where(state.inset_steps == UNTOUCHED, 0, state.inset_steps) * STEP,
+            unanswered=False,
+        )
