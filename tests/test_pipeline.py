@@ -157,7 +157,8 @@ def test_step_lies_where_the_part_lies(bracket: Structure, samples: Path, tmp_pa
     properties = GProp_GProps()
     BRepGProp.LinearProperties_s(shape, properties)
     length = sum(layer.diagram.lengths().sum() for layer in bracket.layers)
-    assert properties.Mass() == pytest.approx(length, rel=1e-9)
+    # Arcs are longer than their chords, and walls end on them.
+    assert properties.Mass() == pytest.approx(length, rel=1e-4)
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box, False, False)
     part = v3dcad.pipeline.part_from(samples / "bracket.step")
@@ -171,21 +172,25 @@ def test_step_lies_where_the_part_lies(bracket: Structure, samples: Path, tmp_pa
     assert count == len(bracket.layers)
 
 
-def test_step_by_an_independent_reading(bracket: Structure, tmp_path: Path) -> None:
-    """Part 21 taken apart by hand: one named product a layer, every edge a line once."""
-    bracket.write_step(tmp_path / "a.step")
-    text = (tmp_path / "a.step").read_text()
+def test_step_by_an_independent_reading(samples: Path, tmp_path: Path) -> None:
+    """Part 21 taken apart by hand: one named product a layer, every edge in one polyline."""
+    pyramid = v3dcad.fill(samples / "pyramid.stl", layer_height=5.0)
+    pyramid.write_step(tmp_path / "a.step")
+    text = (tmp_path / "a.step").read_text().replace("\n", "")
     assert "1970-01-01T00:00:00" in text
-    entities = dict(
-        re.findall(r"^(#\d+) = (.*?);$", text.replace("\n", " ").replace("; #", ";\n#"), re.M)
-    )
-    kinds = [re.match(r"[A-Z_0-9]*", body)[0] for body in entities.values()]  # type: ignore[index]
     names = re.findall(r"PRODUCT\('([^']*)'", text)
-    for layer in bracket.layers:
+    for layer in pyramid.layers:
         assert f"layer {layer.index} z {layer.z:g}" in names
-    made = sum(np.count_nonzero(layer.diagram.lengths() > 1e-7) for layer in bracket.layers)
-    lines = kinds.count("LINE") + kinds.count("TRIMMED_CURVE") + kinds.count("EDGE_CURVE")
-    assert lines >= made
+    polylines = re.findall(r"B_SPLINE_CURVE_WITH_KNOTS\('',1,\(([^)]*)\)", text)
+    drawn = sum(poles.count("#") - 1 for poles in polylines)
+    assert drawn == sum(
+        np.count_nonzero(layer.diagram.lengths() > 1e-7) for layer in pyramid.layers
+    )
+    # A vertex of odd degree ends a trail: never more of them than needed.
+    odd = sum(
+        np.count_nonzero(np.bincount(layer.diagram.edges.ravel()) % 2) for layer in pyramid.layers
+    )
+    assert len(polylines) <= odd / 2 + sum(len(layer.section.rings) for layer in pyramid.layers)
 
 
 def test_ont_of_an_stl_part_regenerates_it(samples: Path, tmp_path: Path) -> None:

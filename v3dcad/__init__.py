@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from v3dcad.pipeline import Structure, build, fill
     from v3dcad.recipes import read_ont
     from v3dcad.settings import FillSettings, PrintSettings
+    from v3dcad.structure.density import density
     from v3dcad.structure.fill import fill_sections
 
 _HOME = {
@@ -37,6 +38,7 @@ _HOME = {
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
+    "density": "structure.density",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
     "read_ont": "recipes",
@@ -55,6 +57,7 @@ __all__ = [
     "Structure",
     "V3dcadError",
     "build",
+    "density",
     "fill",
     "fill_sections",
     "read_ont",

@@ -7,18 +7,20 @@ import json
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Checksum, Diagram, Floats, Layer, Part, Placement, Recipe
+from v3dcad.forms import Forms
+from v3dcad.model import Checksum, Diagram, Floats, Layer, Part, Placement, Recipe, Section
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
 from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.checksum import structure_checksum
+from v3dcad.structure.density import density
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -29,9 +31,12 @@ from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
 from v3dcad.version import VERSION
 
+if TYPE_CHECKING:
+    from v3dcad.geometry.facets import Facets
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure:
+class Structure(Forms):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.
@@ -80,6 +85,20 @@ class Structure:
     ) -> Properties:
         """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
         return properties(self.layers, self.settings.layer_height, bead_width, density)
+
+    def facets(self) -> Facets:
+        """The walls between cells in space, bed coordinates, from the base to above the top."""
+        from v3dcad.geometry.facets import welded_facets
+
+        if not isinstance(self.filling, Filling):
+            return self.filling.walls  # which says why there are none
+        # An empty section above the top lets the walls go on from the last layer to there.
+        above = Section(float(self.part.bounds[1, 2]) + 1.0, ())
+        filling = fill_sections([*self.filling.sections, above], self.sites, self.settings)
+        assert isinstance(filling, Filling)
+        walls, everyone = filling.walls, filling.history.sites.by_site()
+        places = filling.grid.millimetres(everyone.places)
+        return welded_facets(walls.sites, walls.points, walls.starts, places)
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.
@@ -150,18 +169,6 @@ class Structure:
         draw(self.layers, picture, shown=40, pixels=220)
         return picture.getvalue()
 
-    def write_step(self, path: str | Path) -> None:
-        """Write the wires of all layers as STEP, one named compound a layer."""
-        from v3dcad.kernel.step import write_step
-        from v3dcad.kernel.wires import layer_wires
-
-        shapes = (
-            (f"layer {layer.index} z {layer.z:g}", layer_wires(layer, self.placement))
-            for layer in self.layers
-        )
-        with written_beside(Path(path)) as beside:
-            write_step(shapes, beside, self.part.name)
-
     def write_png(self, path: str | Path) -> None:
         """Draw the layers in perspective."""
         from v3dcad.view.picture import draw
@@ -196,17 +203,20 @@ class Structure:
         return told
 
 
-def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> Structure:
+def build(part: Part, settings: FillSettings, sites: Floats | density | None = None) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, take the place of the scatter. Raises `SettingError`
-    where settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
+    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter. Raises
+    `SettingError` where settings do not fit the part, `GeometryError` or `KernelError` where it
+    cannot be cut.
     """
     placement = on_bed(part.bounds)
     part = part.placed(placement)
     rectangle = part.bounds[:, :2]
     if sites is None:
         sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
+    elif isinstance(sites, density):
+        sites = sites.scatter(rectangle, settings.random_seed)
     elif not ((sites >= rectangle[0]) & (sites <= rectangle[1])).all(axis=1).any():
         low, high = rectangle
         raise SettingError(
@@ -226,16 +236,16 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
 def fill(
     source: Any,
     *,
-    sites: int | Sequence[Sequence[float]] | Floats | None = None,
+    sites: int | Sequence[Sequence[float]] | Floats | density | None = None,
     verify: bool = True,
     **settings: Any,
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
     `source` is a path (STEP, STL, BREP, `.ont`), a `Recipe`, a shape of build123d, CadQuery or
-    OCP, or a pair (vertices, triangles). `sites` is how many to scatter, or their places (n, 2)
-    in mm, bed coordinates. Further settings are the fields of `FillSettings`. What a recipe
-    says is taken from it, unless given here; where nothing is, the structure must have the
+    OCP, or a pair (vertices, triangles). `sites` is how many to scatter, their places (n, 2)
+    in mm, bed coordinates, or their `density`. Further settings are the fields of
+    `FillSettings`. What a recipe says is taken from it, unless given here; where nothing is, the structure must have the
     recipe's check sum (`verify=False`: need not). Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
@@ -247,6 +257,8 @@ def fill(
     if sites is None or isinstance(sites, int):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen)
+    if isinstance(sites, density):
+        return build(part_from(source), known_settings(settings), sites)
     explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
     return build(part_from(source), known_settings({**settings, "sites": len(explicit)}), explicit)
 

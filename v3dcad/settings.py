@@ -56,6 +56,12 @@ class Declared:
             )
 
 
+def check_size(name: str, value: float) -> None:
+    """Raise `SettingError` unless a length (mm) is a finite number above 0."""
+    if not 0 < value < math.inf:
+        raise SettingError(name, f"{name} {value:g}: give a number above 0 mm")
+
+
 def option(name: str) -> str:
     """The setting's name as it is written on the command line."""
     return "--" + name.replace("_", "-")

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from OCP.BRep import BRep_Tool
-from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
-from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from v3dcad.errors import KernelError
 from v3dcad.kernel.section import section_solids
-from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes
+from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes, volume
 from v3dcad.model import Brep, Floats, Mesh, Placement, Section
 
 TESSELLATION = 0.05
@@ -38,12 +36,10 @@ class SolidPart:
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
-        properties = GProp_GProps()
-        BRepGProp.VolumeProperties_s(self.shape, properties)
         return {
             "solids": f"{sum(1 for _ in subshapes(self.shape, SOLID))}",
             "faces": f"{sum(1 for _ in subshapes(self.shape, FACE))}",
-            "volume": f"{properties.Mass():.6g} mm³",
+            "volume": f"{volume(self.shape):.6g} mm³",
         }
 
     def placed(self, placement: Placement) -> SolidPart:
