@@ -38,6 +38,7 @@ MAY_IMPORT = {
         "commands",
         "files",
         "formats",
+        "ont",
         "options",
         "parts",
         "pipeline",
