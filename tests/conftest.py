@@ -1,4 +1,27 @@
-from hypothesis import settings
+"""Where the sample parts lie; how hypothesis runs."""
 
-settings.register_profile("v3dcad", deadline=None, derandomize=True, max_examples=150)
-settings.load_profile("v3dcad")
+from __future__ import annotations
+
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+SAMPLES = ROOT / "samples"
+
+# The same examples in every run, and no limit on the time of one: numba compiles in the first.
+hypothesis.settings.register_profile(
+    "v3dcad",
+    derandomize=True,
+    deadline=None,
+    max_examples=40,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow],
+)
+hypothesis.settings.load_profile("v3dcad")
+
+
+@pytest.fixture(scope="session")
+def samples() -> Path:
+    """The folder of sample parts."""
+    return SAMPLES

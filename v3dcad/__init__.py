@@ -1,1 +1,66 @@
-"""v3dcad: fill a part with a 3D Voronoi structure that prints without support."""
+"""v3dcad: fill a part with a 3D Voronoi structure that prints without support.
+
+The names below are loaded when they are first used, so that `import v3dcad` is quick and
+loads neither the geometry kernel nor numba.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from v3dcad.errors import (
+        FormatError,
+        GeometryError,
+        KernelError,
+        MissingKernelError,
+        SettingError,
+        V3dcadError,
+    )
+    from v3dcad.model import Section
+    from v3dcad.pipeline import Structure, build, fill
+    from v3dcad.settings import FillSettings, PrintSettings
+    from v3dcad.structure.fill import fill_sections
+
+_HOME = {
+    "FillSettings": "settings",
+    "FormatError": "errors",
+    "GeometryError": "errors",
+    "KernelError": "errors",
+    "MissingKernelError": "errors",
+    "PrintSettings": "settings",
+    "Section": "model",
+    "SettingError": "errors",
+    "Structure": "pipeline",
+    "V3dcadError": "errors",
+    "build": "pipeline",
+    "fill": "pipeline",
+    "fill_sections": "structure.fill",
+}
+
+__all__ = [
+    "FillSettings",
+    "FormatError",
+    "GeometryError",
+    "KernelError",
+    "MissingKernelError",
+    "PrintSettings",
+    "Section",
+    "SettingError",
+    "Structure",
+    "V3dcadError",
+    "build",
+    "fill",
+    "fill_sections",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOME:
+        raise AttributeError(f"module 'v3dcad' has no attribute {name!r}")
+    return getattr(import_module(f"v3dcad.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -6,7 +6,7 @@ by identity; their arrays cannot be written to. `docs` of each field give shape 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Protocol
 
@@ -22,6 +22,9 @@ OUTSIDE = -1
 
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
+
+NOTHING, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(7)
+"""Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 
 class Value:
@@ -116,10 +119,17 @@ class Part(Protocol):
     def bounds(self) -> Floats:
         """(2, 3) least and greatest coordinates, mm."""
 
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What the user should know of how it was read: what was left out or mended."""
+
+    def contents(self) -> dict[str, str]:
+        """What it is made of, as lines to show."""
+
     def placed(self, placement: Placement) -> Part:
         """The same part, moved."""
 
-    def sections(self, heights: Floats) -> Iterator[Section]:
+    def sections(self, heights: Floats) -> Sequence[Section]:
         """Its sections at ascending heights (mm).
 
         Each is the limit from below, but for the section at the part's base (z = 0), which is
@@ -164,6 +174,11 @@ class Diagram(Value):
     def inner(self) -> NDArray[np.bool_]:
         """(e,) which edges separate two cells (the others lie on the section's boundary)."""
         return np.asarray(self.edge_sites[:, 0] != OUTSIDE)
+
+    def sites(self) -> Ints:
+        """(c,) ids of the sites that have a cell, ascending."""
+        found: Ints = np.unique(self.edge_sites)
+        return np.asarray(found[found != OUTSIDE])
 
     def lengths(self) -> Floats:
         """(e,) edge lengths, mm."""
@@ -220,6 +235,11 @@ class Toolpath(Value):
     """(p,) mm/s"""
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
+    feature: Bytes
+    """(p,) CELLS, PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a way already
+    extruded, NOTHING elsewhere"""
+    centre: Floats
+    """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

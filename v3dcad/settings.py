@@ -23,14 +23,22 @@ class Declared:
 
     help: str
     unit: str = ""
+    metavar: str | None = None
     above: float = -math.inf
     least: float = -math.inf
     most: float = math.inf
+    choices: tuple[str, ...] = ()
+    word: str | None = None
+    """a word that a number's place may take"""
 
     def check(self, name: str, value: object) -> None:
-        """Raise `SettingError` unless a numeric value lies in the declared range."""
-        if not isinstance(value, (int, float)):
+        """Raise `SettingError` unless a value is a declared choice, or lies in the range."""
+        if self.choices and value not in self.choices:
+            raise SettingError(name, f"{option(name)} {value}: give {' or '.join(self.choices)}")
+        if value == self.word or (isinstance(value, str) and self.word is None):
             return
+        if not isinstance(value, (int, float)):
+            raise SettingError(name, f"{option(name)} {value}: give a number or {self.word}")
         unit = f" {self.unit}" if self.unit else ""
         if not math.isfinite(value):
             raise SettingError(name, f"{option(name)} {value}: give a finite number{unit}")
@@ -83,35 +91,181 @@ class FillSettings(Checked):
     """How a part is filled."""
 
     layer_height: float = setting(0.2, "Distance between two layers.", unit="mm", above=0)
-    offset: float = setting(
-        0.2, "Weight that a growing cell gains in each layer.", unit="mm²", least=0
+    offset: float | str = setting(
+        "auto",
+        "Weight that a growing cell gains in each layer; auto takes the largest that "
+        "--max-overhang allows.",
+        unit="mm²",
+        least=0,
+        word="auto",
+    )
+    max_overhang: float = setting(
+        45.0,
+        "Largest tilt of a wall from the vertical; 90 allows any.",
+        unit="°",
+        above=0,
+        most=90,
     )
     sites: int = setting(
         40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=10_000_000
     )
     random_seed: int = setting(0, "Seed of the scatter.", least=0, most=2**63 - 1)
     insertion: bool = setting(True, "New cells are born where cells have become too large.")
-    method: str = setting("continuous", "How cells are born: continuous, or as in the thesis.")
+    method: str = setting(
+        "continuous",
+        "How cells are born: continuous, or as in the thesis.",
+        choices=("continuous", "thesis"),
+    )
+
+
+START = """\
+G21 ; millimetres
+G90 ; absolute positions
+M140 S{bed_temperature}
+M104 S{nozzle_temperature}
+G28 ; home
+M190 S{bed_temperature}
+M109 S{nozzle_temperature}
+"""
+
+END = """\
+G91
+G1 Z10 F600 ; clear of the part
+G90
+G28 X Y
+M104 S0
+M140 S0
+M107
+M84
+"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PrintSettings(Checked):
-    """How a structure is printed. The defaults are Table 3.2 of the thesis."""
+    """How a structure is printed. The defaults are Table 3.2 of the thesis.
 
-    first_layer_height: float = setting(
-        0.2, "Height of the first layer's beads.", unit="mm", above=0
-    )
+    A machine profile (`formats/profile.py`) gives values for these same settings.
+    """
+
     bead_width: float = setting(
-        0.8, "Width of one extruded bead; the nozzle's diameter.", unit="mm", above=0
+        0.8, "Width of one extruded bead; the nozzle's diameter.", unit="mm", above=0, most=20
     )
-    print_speed: float = setting(10.0, "Speed while extruding.", unit="mm/s", above=0)
-    travel_speed: float = setting(50.0, "Speed while not extruding.", unit="mm/s", above=0)
-    filament_diameter: float = setting(1.75, "Diameter of the filament.", unit="mm", above=0)
-    flow: float = setting(100.0, "Share of the computed material extruded.", unit="%", above=0)
+    bead_shape: str = setting(
+        "rectangle",
+        "Cross-section of a bead: the thesis's rectangle, or rounded as slicers have it.",
+        choices=("rectangle", "rounded"),
+    )
+    flow: float = setting(
+        100.0, "Share of the computed material extruded.", unit="%", above=0, most=1000
+    )
+    first_layer_height: float = setting(
+        0.2, "Height of the first layer's beads.", unit="mm", above=0, most=10
+    )
+    first_layer_speed: float = setting(
+        10.0, "Speed while extruding the first layer.", unit="mm/s", above=0, most=2000
+    )
+    first_layer_flow: float = setting(
+        100.0, "The same on the first layer, instead of `flow`.", unit="%", above=0, most=1000
+    )
+    overlap_compensation: bool = setting(
+        False, "Extrude less where beads overlap at a junction, by the area they share."
+    )
+    minimum_edge: float = setting(
+        0.05, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
+    )
+
+    contour: str = setting(
+        "inset",
+        "Print perimeters half a bead inside the contour, or with their centre on it as the "
+        "thesis does.",
+        choices=("inset", "centre"),
+    )
+    perimeters: int = setting(1, "Number of perimeters along each contour.", least=1, most=1000)
+    perimeter_order: str = setting(
+        "together",
+        "Print the innermost perimeter in one stroke with the cells, or all perimeters before "
+        "or after them.",
+        choices=("together", "before", "after"),
+    )
+    route: str = setting(
+        "least-retrace",
+        "Order of the edges: one closed stroke with the least retrace, trails that pass nothing "
+        "twice, or cell after cell along the spanning tree.",
+        choices=("least-retrace", "trails", "tree"),
+    )
+    bottom_layers: int = setting(0, "Solid layers at the bottom.", least=0)
+    top_layers: int = setting(0, "Solid layers at the top.", least=0, most=1000)
+    skirt_loops: int = setting(0, "Loops around the first layer.", least=0, most=1000)
+    skirt_distance: float = setting(
+        5.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
+    )
+    brim_width: float = setting(
+        0.0, "Width of the brim around the first layer.", unit="mm", least=0, most=1000
+    )
+
+    print_speed: float = setting(10.0, "Speed while extruding.", unit="mm/s", above=0, most=2000)
+    travel_speed: float = setting(
+        50.0, "Speed while not extruding.", unit="mm/s", above=0, most=2000
+    )
+    z_speed: float = setting(5.0, "Speed of moves in z alone.", unit="mm/s", above=0, most=2000)
+    acceleration: float = setting(
+        500.0, "Acceleration of every move.", unit="mm/s²", above=0, most=1_000_000
+    )
+    corner_speed: float = setting(
+        8.0, "Speed at which a right-angled corner is taken.", unit="mm/s", least=0, most=2000
+    )
+
+    filament_diameter: float = setting(
+        1.75, "Diameter of the filament.", unit="mm", above=0, most=20
+    )
+    filament_density: float = setting(
+        1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", above=0, most=25
+    )
     retraction: float = setting(
         0.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
     )
-    bed: str = setting("220x220", "Width and depth of the bed, as WIDTHxDEPTH in mm.")
+    retraction_speed: float = setting(
+        40.0, "Speed of the filament when it is pulled back.", unit="mm/s", above=0, most=2000
+    )
+    retraction_travel: float = setting(
+        1.5, "Shorter travels are made without retraction.", unit="mm", least=0
+    )
+    retraction_by: str = setting(
+        "gcode",
+        "Who pulls the filament back: moves in the G-code, or the firmware (G10, G11).",
+        choices=("gcode", "firmware"),
+    )
+    z_hop: float = setting(
+        0.0, "Height the nozzle is raised by when it is retracted.", unit="mm", least=0, most=100
+    )
+
+    nozzle_temperature: float = setting(
+        200.0, "Temperature of the nozzle.", unit="°C", least=0, most=500
+    )
+    bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
+    fan: float = setting(100.0, "Power of the part's fan.", unit="%", least=0, most=100)
+    fan_from_layer: int = setting(1, "First layer that the fan blows at.", least=0)
+
+    flavour: str = setting(
+        "marlin",
+        "The printer's firmware.",
+        choices=("marlin", "reprapfirmware", "klipper"),
+    )
+    extrusion: str = setting(
+        "absolute",
+        "Count filament from the layer's start, or from the move before.",
+        choices=("absolute", "relative"),
+    )
+    arcs: bool = setting(False, "Write perimeters that are circular arcs as G2 and G3.")
+    bed: str = setting("220x220", "Width and depth of the bed.", unit="mm", metavar="WIDTHxDEPTH")
+    build_height: float = setting(250.0, "Height that the printer can build.", unit="mm", above=0)
+    bed_origin: str = setting(
+        "corner", "Where the printer's x and y are 0.", choices=("corner", "centre")
+    )
+    start_gcode: str = setting(
+        START, "G-code before the first move; {nozzle_temperature} stands for that setting's value."
+    )
+    end_gcode: str = setting(END, "G-code after the last move, with the same placeholders.")
 
     def bed_size(self) -> tuple[float, float]:
         """Width and depth of the bed (mm); `SettingError` where `bed` is not WIDTHxDEPTH."""
@@ -122,3 +276,11 @@ class PrintSettings(Checked):
         if not (0 < width < math.inf and 0 < depth < math.inf):
             raise SettingError("bed", f"--bed {self.bed}: write two lengths in mm, such as 220x220")
         return width, depth
+
+    def retracts(self) -> bool:
+        """Whether the filament is pulled back before a travel."""
+        return self.retraction > 0 or self.retraction_by == "firmware"
+
+    def filament_area(self) -> float:
+        """Cross-section of the filament, mm²."""
+        return math.pi / 4 * self.filament_diameter**2

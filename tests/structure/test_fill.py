@@ -10,6 +10,7 @@ from v3dcad.geometry.cells import cells
 from v3dcad.model import OUTSIDE, Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
+from v3dcad.structure.sites import scatter_sites
 
 SQUARE = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
 HOLE = np.array([[3.0, 3], [3, 6], [6.5, 6], [6, 3]])
@@ -87,7 +88,9 @@ def _area(ring):
 @given(site_sets(), st.sampled_from(sorted(SECTIONS)), st.sampled_from([0.0, 0.05, 1.0]))
 def test_layers_obey_the_laws(sites, name, offset):
     sections = stack(SECTIONS[name])
-    filling = fill_sections(sections, sites, FillSettings(offset=offset, layer_height=0.5))
+    filling = fill_sections(
+        sections, sites, FillSettings(max_overhang=90.0, offset=offset, layer_height=0.5)
+    )
     for layer in list(filling.layers)[::5]:
         laws(layer)
 
@@ -95,7 +98,7 @@ def test_layers_obey_the_laws(sites, name, offset):
 @given(site_sets(), st.sampled_from(sorted(SECTIONS)))
 def test_tree_is_a_minimum_spanning_tree_of_the_neighbours(sites, name):
     filling = fill_sections(
-        stack(SECTIONS[name]), sites, FillSettings(offset=0.3, layer_height=0.5)
+        stack(SECTIONS[name]), sites, FillSettings(max_overhang=90.0, offset=0.3, layer_height=0.5)
     )
     for layer in filling.layers:
         ends = layer.state.sites[layer.tree]
@@ -121,7 +124,7 @@ def fingerprint(diagram, names=None):
 @given(site_sets(), st.sampled_from(sorted(SECTIONS)), st.integers(0, 10**6))
 def test_order_of_the_sites_does_not_matter(sites, name, seed):
     names = np.random.default_rng(seed).permutation(len(sites))
-    settings = FillSettings(offset=0.0, layer_height=0.5)
+    settings = FillSettings(max_overhang=90.0, offset=0.0, layer_height=0.5)
     one = fill_sections(stack(SECTIONS[name], 1), sites, settings)
     other = fill_sections(stack(SECTIONS[name], 1), sites[names], settings)
     a, b = fingerprint(one.layers[0].diagram), fingerprint(other.layers[0].diagram, names)
@@ -131,7 +134,9 @@ def test_order_of_the_sites_does_not_matter(sites, name, seed):
 @given(site_sets(), st.sampled_from(["square", "hole", "notched"]))
 def test_a_layer_by_itself_is_the_layer_on_the_way_up(sites, name):
     filling = fill_sections(
-        stack(SECTIONS[name], 30), sites, FillSettings(offset=0.4, layer_height=0.5)
+        stack(SECTIONS[name], 30),
+        sites,
+        FillSettings(max_overhang=90.0, offset=0.4, layer_height=0.5),
     )
     for layer in list(filling.layers)[::7]:
         alone = filling.layers[layer.index]
@@ -143,9 +148,13 @@ def test_a_layer_by_itself_is_the_layer_on_the_way_up(sites, name):
 
 @given(site_sets(), st.sampled_from(["square", "hole"]), st.sampled_from([1e-6, 1e-3, 1e6]))
 def test_scale_does_not_matter(sites, name, scale):
-    one = fill_sections(stack(SECTIONS[name], 4), sites, FillSettings(offset=0.4, layer_height=0.5))
+    one = fill_sections(
+        stack(SECTIONS[name], 4),
+        sites,
+        FillSettings(max_overhang=90.0, offset=0.4, layer_height=0.5),
+    )
     rings = tuple(ring * scale for ring in SECTIONS[name])
-    settings = FillSettings(offset=0.4 * scale**2, layer_height=0.5 * scale)
+    settings = FillSettings(max_overhang=90.0, offset=0.4 * scale**2, layer_height=0.5 * scale)
     other = fill_sections(stack(rings, 4, 0.5 * scale), sites * scale, settings)
     for a, b in zip(one.layers, other.layers, strict=True):
         n = len(a.state.sites)
@@ -155,10 +164,9 @@ def test_scale_does_not_matter(sites, name, scale):
 
 
 def test_births_start_empty_and_grow_without_a_jump():
-    sites = np.random.default_rng(3).random((60, 2)) * 10
-    filling = fill_sections(
-        stack((SQUARE,), 200, 0.1), sites, FillSettings(offset=0.02, layer_height=0.1)
-    )
+    sites = scatter_sites(np.array([[0.0, 0], [10, 10]]), 60, 3)
+    settings = FillSettings(offset=0.02, layer_height=0.1)
+    filling = fill_sections(stack((SQUARE,), 200, 0.1), sites, settings)
     layers = list(filling.layers)
     births = filling.births
     assert len(births) > 5
@@ -182,7 +190,7 @@ def test_births_start_empty_and_grow_without_a_jump():
     without = fill_sections(
         stack((SQUARE,), 200, 0.1),
         sites,
-        FillSettings(offset=0.02, layer_height=0.1, insertion=False),
+        FillSettings(max_overhang=90.0, offset=0.02, layer_height=0.1, insertion=False),
     )
     assert not len(without.births)
     assert layers[-1].area_per_cell < list(without.layers)[-1].area_per_cell
@@ -191,7 +199,7 @@ def test_births_start_empty_and_grow_without_a_jump():
 @pytest.mark.parametrize("insertion", [True, False])
 def test_facets_sliced_are_the_layers_edges(insertion):
     sites = np.random.default_rng(5).random((50, 2)) * 10
-    settings = FillSettings(offset=0.05, layer_height=0.1, insertion=insertion)
+    settings = FillSettings(max_overhang=90.0, offset=0.05, layer_height=0.1, insertion=insertion)
     filling = fill_sections(stack((SQUARE,), 60, 0.1), sites, settings)
     walls = filling.walls
     heights = [*(layer.z for layer in list(filling.layers)[1:-1:9]), 0.123, 3.3456789]
@@ -234,7 +242,7 @@ def test_facets_sliced_are_the_layers_edges(insertion):
 
 def test_layers_can_be_iterated_again_and_do_not_depend_on_chunks(monkeypatch):
     sites = np.random.default_rng(5).random((30, 2)) * 10
-    settings = FillSettings(offset=0.2, layer_height=0.5)
+    settings = FillSettings(max_overhang=90.0, offset=0.2, layer_height=0.5)
     filling = fill_sections(stack((SQUARE,), 40), sites, settings)
     first = list(filling.layers)
     assert len(filling.layers) == 40
@@ -282,7 +290,9 @@ def test_settings_that_cannot_be():
     with pytest.raises(GeometryError, match="safe range"):
         list(
             fill_sections(
-                stack((SQUARE,)), np.array([[1.0, 1], [2, 2]]), FillSettings(offset=1e4)
+                stack((SQUARE,)),
+                np.array([[1.0, 1], [2, 2]]),
+                FillSettings(offset=1e4, max_overhang=90.0),
             ).layers
         )
 

@@ -1,1 +1,25 @@
-"""The only folder that imports OCP: reading, sectioning and writing B-rep."""
+"""The only folder that imports OCP, the Python binding of the OCCT geometry kernel.
+
+`load` reads STEP and BREP, `part` is what it gives back, `section` cuts it by planes,
+`wires` and `step` turn layers into B-rep and write it.
+"""
+
+from v3dcad.errors import MissingKernelError
+
+try:
+    from OCP.Message import Message
+except ImportError as error:
+    if isinstance(error.__cause__, KeyboardInterrupt):
+        raise KeyboardInterrupt from None
+    if "libGL" in str(error):
+        raise MissingKernelError(
+            "the geometry kernel needs the system library libGL.so.1: "
+            "run `apt-get install -y libgl1` (or your system's package of libGL), then try again"
+        ) from error
+    raise MissingKernelError(
+        f"the geometry kernel OCP cannot be imported ({error}): "
+        "run `pip install 'cadquery-ocp-novtk>=7.9,<8'`, then try again"
+    ) from error
+
+# OCCT's own remarks stay off the user's terminal; what matters is raised as an error.
+Message.DefaultMessenger_s().ChangePrinters().Clear()

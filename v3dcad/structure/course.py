@@ -69,8 +69,14 @@ class Course:
     what it gains for each mm.
     """
 
-    def __init__(self, grid: Grid, sites: Timed, growth_step: float, heights: Floats) -> None:
-        """Stand at the first of ascending heights (k,), mm, ready to go to the last."""
+    def __init__(
+        self, grid: Grid, sites: Timed, growth_step: float, heights: Floats, slope: float
+    ) -> None:
+        """Stand at the first of ascending heights (k,), mm, ready to go to the last.
+
+        Births keep walls from shifting more than `slope` mm per mm of height.
+        """
+        self.slope = slope
         self.grid = grid
         self.growth_step = growth_step
         self.heights = heights
@@ -162,7 +168,7 @@ class Course:
             self._tree = empty_tree(room, 3 * len(self.mesh.triangles))
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
-        reach = self.growth_step / 2 / self.grid.pitch
+        reach = self.growth_step / (2 * self.slope) / self.grid.pitch
         made: Run = run(
             self.mesh,
             self.motion,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, Triangulation, t
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, Timed, times_of
-from v3dcad.structure.growth import growing
+from v3dcad.structure.growth import growing, settled_offset
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
@@ -36,7 +37,8 @@ def fill_sections(sections: Sequence[Section], sites: Floats, settings: FillSett
     `settings.insertion` is off). Sites on the same grid point are merged, with a warning.
 
     Raises `GeometryError` for a site or section that cannot be computed with (faulty rings are
-    found when their layer is), `SettingError` for a method that is not there.
+    found when their layer is), `SettingError` for a method that is not there and an offset that
+    lets walls lean more than `settings.max_overhang`.
     """
     if settings.method != "continuous":
         raise SettingError("method", f"--method {settings.method}: not built yet; use continuous")
@@ -118,13 +120,15 @@ class Filling:
         self, sections: Sequence[Section], places: Ints, grid: Grid, settings: FillSettings
     ) -> None:
         self.sections = sections
-        self.settings = settings
         self.grid = grid
-        self.growth_step = settings.offset / settings.layer_height
-        """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         order = curve_order(places)
         still = np.zeros(len(places), np.int64)
         grows = _growing(places, triangulation(places[order], still), order)
+        offset = settled_offset(settings, grid.millimetres(places), grows)
+        self.settings = replace(settings, offset=offset)
+        """the settings, with the offset that "auto" stands for"""
+        self.growth_step = offset / settings.layer_height
+        """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         always = np.full(len(places), ALWAYS)
         self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
         self._heights = np.array([section.z for section in sections], np.float64)
@@ -199,9 +203,13 @@ class Filling:
         heights = np.array([section.z])
         time = times_of(heights, self.growth_step, self.grid)[0]
         alive = int(np.count_nonzero(sites.born <= time))
-        course = Course(self.grid, sites.rows(slice(alive)), self.growth_step, heights)
+        course = self._course(sites.rows(slice(alive)), heights)
         layer = next(course.run([section], 0, np.inf))
         return replace(layer, index=index)
+
+    def _course(self, sites: Timed, heights: Floats) -> Course:
+        slope = math.tan(math.radians(self.settings.max_overhang))
+        return Course(self.grid, sites, self.growth_step, heights, slope)
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""
@@ -210,7 +218,7 @@ class Filling:
             nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
             self._history = History(self._start, nothing)
             return
-        course = Course(self.grid, self._start, self.growth_step, self._heights)
+        course = self._course(self._start, self._heights)
         while index < len(sections):
             # The first layer by itself: what it has of area per cell is the measure for births.
             vertices = 2 * len(self._start.places) + sum(map(len, sections[index].rings))

@@ -1,11 +1,16 @@
-"""Which sites grow: every second level of the spanning tree of layer 0."""
+"""Which sites grow, every second level of the spanning tree, and by how much."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
-from v3dcad.model import Ints
+from v3dcad.errors import SettingError
+from v3dcad.model import Floats, Ints
+from v3dcad.settings import FillSettings
 
 
 def growing(count: int, tree: Ints) -> NDArray[np.bool_]:
@@ -31,3 +36,46 @@ def growing(count: int, tree: Ints) -> NDArray[np.bool_]:
             level[reached[:, 1]] = level[reached[:, 0]] + 1
             front = reached[:, 1]
     return np.asarray(level % 2 == 1)
+
+
+def settled_offset(settings: FillSettings, sites: Floats, grows: NDArray[np.bool_]) -> float:
+    """The offset, mm² a layer: the one that is set, or the largest that is allowed for "auto".
+
+    Raises `SettingError`, with the largest value that is safe, for one that lets a wall lean
+    more than `max_overhang`; and for "auto" where nothing limits it. The method of the thesis
+    only reports its overhang.
+    """
+    largest = largest_offset(sites, grows, settings.layer_height, settings.max_overhang)
+    if isinstance(settings.offset, str):
+        if not math.isinf(largest):
+            return largest
+        if len(sites) > 1 and settings.max_overhang >= 90:
+            raise SettingError(
+                "offset", "--offset auto: with --max-overhang 90 nothing limits it; give a number"
+            )
+        return 0.0
+    if settings.method == "continuous" and settings.offset > largest * (1 + 1e-9):
+        safe = math.floor(largest * 1e6) / 1e6
+        raise SettingError(
+            "offset",
+            f"--offset {settings.offset:g}: walls would lean more than "
+            f"{settings.max_overhang:g}°; the largest safe value is {safe:g}, which auto takes, or "
+            "allow more with --max-overhang",
+        )
+    return float(settings.offset)
+
+
+def largest_offset(
+    sites: Floats, grows: NDArray[np.bool_], layer_height: float, max_overhang: float
+) -> float:
+    """The largest offset, mm² a layer, with which no wall leans more than `max_overhang` degrees.
+
+    A wall of sites d apart leans by tan θ = offset / (2 · d · layer_height). Of all pairs of a
+    growing and a resting site the nearest one are neighbours in the Voronoi diagram (a third
+    site within the circle over them would make a nearer pair), so the bound is met at the base
+    already. Infinite at 90°, or where all sites are of one kind.
+    """
+    if max_overhang >= 90 or grows.all() or not grows.any():
+        return math.inf
+    nearest = np.min(KDTree(sites[grows]).query(sites[~grows])[0])
+    return float(2 * nearest * layer_height * np.tan(np.radians(max_overhang)))

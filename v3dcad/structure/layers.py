@@ -200,6 +200,8 @@ def run(  # type: ignore[no-untyped-def]
             starts[ring] = rings.starts[rings_from + ring] - first
         link_corners(starts, after)
         areas[layer] = signed_area(corners, starts)
+        if areas[layer] < 0:
+            outcome[STATUS] = OVERLAPPING
         stepped = np.empty((len(corners), 2))
         for corner in range(len(corners)):
             stepped[corner, 0] = (corners[corner, 0] - left) / pitch

@@ -1,1 +1,13 @@
-"""From a layer's diagram to the nozzle's way: graph, route, beads."""
+"""From a layer's diagram to the nozzle's way.
+
+graph       what is extruded, as a graph: edges once, junctions by id
+perimeters  a section's area, its insets, its arcs
+trim        cell edges cut off at the innermost perimeter
+route       strokes: least retrace (euler), trails; tree_route: the thesis's order
+solid       areas covered with parallel beads
+plan        which strokes a layer has, in which order
+travel      ways inside the part
+beads       `trace`: layers to toolpaths
+report      what a layer's printing comes to
+estimate    time, filament and mass
+"""

@@ -1,0 +1,406 @@
+from __future__ import annotations
+
+import base64
+import io
+import itertools
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from diagrams import area_of, disc, layer, scattered, square, stack
+from hypothesis import given
+from hypothesis import strategies as st
+from simulated_printer import Printer
+
+from v3dcad.errors import SettingError
+from v3dcad.formats.gcode import Totals, check_fits, write_gcode
+from v3dcad.formats.gcode_blocks import spoken
+from v3dcad.formats.gcode_lines import COLUMNS, DECIMALS, Lines, rendered
+from v3dcad.formats.gcode_read import read_gcode
+from v3dcad.model import EXTRUDE, RETRACT, Layer, Toolpath
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.estimate import estimate
+
+FILAMENT = np.pi / 4 * 1.75**2
+
+
+def written(layers: list[Layer], **settings: object) -> tuple[str, Totals]:
+    options = PrintSettings(**settings)  # type: ignore[arg-type]
+    stream = io.StringIO()
+    totals = write_gcode(stream, trace(layers, options), options)
+    return stream.getvalue(), totals
+
+
+@pytest.mark.parametrize("route", ["least-retrace", "trails", "tree"])
+@pytest.mark.parametrize("extrusion", ["absolute", "relative"])
+@pytest.mark.parametrize("contour", ["inset", "centre"])
+def test_a_printer_lays_every_edge_once_and_all_the_filament(
+    route: str, extrusion: str, contour: str
+) -> None:
+    layers = stack(4, 20)
+    text, totals = written(
+        layers,
+        route=route,
+        extrusion=extrusion,
+        contour=contour,
+        retraction=1.5,
+        z_hop=0.4,
+        minimum_edge=0.0,
+        flow=95.0,
+        first_layer_flow=110.0,
+    )
+    printer = Printer().run(text)
+    expected = 0.0
+    for made in layers:
+        area = area_of(made.section)
+        inside = area.buffer(-0.4, join_style="mitre") if contour == "inset" else area
+        inner = made.diagram.edges[made.diagram.inner()]
+        cells = shapely.intersection(
+            shapely.multilinestrings(shapely.linestrings(made.diagram.vertices[inner])), inside
+        )
+        moves = [m for m in printer.printing() if m.layer == made.index]
+        lines = shapely.linestrings([(m.start[:2], m.stop[:2]) for m in moves])
+        lines = shapely.transform(lines, lambda points: points - 110)
+        assert shapely.length(lines).sum() == pytest.approx(
+            cells.length + inside.boundary.length, rel=1e-5
+        )
+        # Once: what two lines share is at most what rounding makes them share.
+        assert shapely.union_all(lines).length == pytest.approx(
+            shapely.length(lines).sum(), rel=1e-5
+        )
+        wanted = shapely.union(cells, inside.boundary)
+        assert shapely.union_all(lines).buffer(2e-3).covers(wanted)
+        assert wanted.buffer(2e-3).covers(shapely.union_all(lines))
+        assert {m.stop[2] for m in moves} == {round(made.z + 0.2, 3)}
+        flow = 1.1 if made.index == 0 else 0.95
+        expected += (cells.length + inside.boundary.length) * 0.8 * 0.2 * flow / FILAMENT
+    found = sum(m.extruded for m in printer.printing())
+    assert found == pytest.approx(expected, rel=1e-6)
+    assert totals.filament_mm == pytest.approx(expected, rel=1e-9)
+    assert printer.retracted == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("section", [square(10), square(10, hole=3), disc(10)])
+def test_nothing_is_extruded_outside_the_section_grown_by_half_a_bead(section: object) -> None:
+    made = layer(scattered(20, 10, 3), section)  # type: ignore[arg-type]
+    for contour in ("inset", "centre"):
+        text, _ = written([made], contour=contour, arcs=True)
+        printer = Printer().run(text)
+        straight = [m for m in printer.printing() if not m.arc]
+        beads = shapely.union_all(
+            [
+                shapely.LineString([m.start[:2], m.stop[:2]]).buffer(0.4, cap_style="flat")
+                for m in straight
+            ]
+        )
+        grown = area_of(made.section).buffer(0.4 + 2e-3)
+        assert grown.covers(shapely.transform(beads, lambda points: points - 110))
+
+
+def test_layers_ascend_and_moves_stay_on_the_bed() -> None:
+    text, _ = written(stack(5), retraction=1.0, z_hop=1.0, route="trails", skirt_loops=2)
+    printer = Printer().run(text)
+    heights = [m.stop[2] for m in printer.printing()]
+    assert heights == sorted(heights)
+    assert sorted(set(heights)) == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
+    for m in printer.moves:
+        if m.layer >= 0 and m is not printer.moves[-1]:
+            assert 0 <= m.stop[0] <= 220
+            assert 0 <= m.stop[1] <= 220
+
+
+def test_relative_extrusion_never_drifts() -> None:
+    layers = stack(40, 20)
+    text, totals = written(layers, extrusion="relative")
+    found = sum(m.extruded for m in Printer().run(text).printing())
+    assert found == pytest.approx(totals.filament_mm, abs=1.01e-5)
+
+
+def test_arcs_are_written_as_arcs_and_paid_by_their_length() -> None:
+    made = layer(scattered(20, 10, 3), disc(14))
+    text, _ = written([made], arcs=True)
+    printer = Printer().run(text)
+    arcs = [m for m in printer.printing("WALL-OUTER") if m.arc]
+    assert sum(m.length for m in arcs) == pytest.approx(2 * np.pi * 13.6, rel=1e-4)
+    assert sum(m.extruded for m in arcs) == pytest.approx(
+        2 * np.pi * 13.6 * 0.8 * 0.2 / FILAMENT, rel=1e-5
+    )
+    assert not [m for m in printer.printing("FILL") if m.arc]
+    plain, _ = written([made])
+    assert len(text) < 0.8 * len(plain)
+    assert "G2" not in re.findall(r"^G\d+", plain, re.M)
+
+
+def test_a_ring_alone_is_two_half_turns() -> None:
+    made = layer(np.array([[0.0, 0.0]]), disc(14))
+    printer = Printer().run(written([made], arcs=True)[0])
+    arcs = [m for m in printer.printing() if m.arc]
+    assert len(arcs) <= 3
+    assert sum(m.length for m in arcs) == pytest.approx(2 * np.pi * 13.6, rel=1e-4)
+
+
+@pytest.mark.parametrize("flavour", ["marlin", "reprapfirmware", "klipper"])
+def test_firmware_retraction(flavour: str) -> None:
+    text, _ = written(stack(2, 20), flavour=flavour, retraction_by="firmware", route="trails")
+    printer = Printer().run(text)
+    assert printer.commands.count("G10") == printer.commands.count("G11") > 3
+    assert printer.retracted == 0
+
+
+def test_header_says_what_the_print_takes() -> None:
+    layers = stack(3)
+    text, totals = written(layers)
+    found = estimate(trace(layers, PrintSettings()), PrintSettings())
+    assert totals.time_s == pytest.approx(found.time_s)
+    assert totals.mass_g == pytest.approx(found.mass_g)
+    assert totals.filament_mm == pytest.approx(found.filament_mm)
+    assert f";TIME:{found.time_s:.0f}\n" in text
+    assert f"; filament used [mm] = {found.filament_mm:.2f}\n" in text
+    assert f"; filament used [g] = {found.mass_g:.2f}\n" in text
+    assert ";LAYER_COUNT:3\n" in text
+    assert re.findall(r"^;LAYER:(\d+)$", text, re.M) == ["0", "1", "2"]
+    assert ";MINX:100.400\n" in text
+
+
+def test_progress_rises_to_the_end() -> None:
+    text, totals = written(stack(30, 30))
+    progress = [(int(p), int(r)) for p, r in re.findall(r"^M73 P(\d+) R(\d+)$", text, re.M)]
+    assert progress[0] == (0, round(totals.time_s / 60))
+    assert progress[-1] == (100, 0)
+    assert [p for p, _ in progress] == sorted(p for p, _ in progress)
+    assert [r for _, r in progress] == sorted((r for _, r in progress), reverse=True)
+    assert len(progress) > 25
+
+
+def test_fan_starts_at_its_layer() -> None:
+    text, _ = written(stack(4), fan=40.0, fan_from_layer=2)
+    assert text.index(";LAYER:2") < text.index("M106 S102") < text.index(";LAYER:3")
+    assert "M106" not in written(stack(4), fan=0.0)[0]
+
+
+def test_thumbnail_is_the_png() -> None:
+    png = b"\x89PNG\r\n\x1a\n" + b"\0\0\0\rIHDR" + (32).to_bytes(4, "big") + (24).to_bytes(4, "big")
+    png += bytes(range(256))
+    stream = io.StringIO()
+    write_gcode(stream, trace(stack(1), PrintSettings()), PrintSettings(), thumbnail=png)
+    text = stream.getvalue()
+    found = re.search(r"^; thumbnail begin 32x24 (\d+)\n(.*?)^; thumbnail end$", text, re.M | re.S)
+    assert found is not None
+    body = "".join(line[2:] for line in found[2].splitlines())
+    assert len(body) == int(found[1])
+    assert base64.b64decode(body) == png
+    with pytest.raises(SettingError, match="no PNG"):
+        write_gcode(io.StringIO(), [], PrintSettings(), thumbnail=b"GIF89a")
+
+
+def test_placeholders_are_filled_in() -> None:
+    start = "M104 S{nozzle_temperature}\nM117 {layers} layers, {{braces}}\n"
+    text, _ = written(stack(2), nozzle_temperature=215.0, start_gcode=start)
+    assert "M104 S215\nM117 2 layers, {braces}\n" in text
+
+
+def test_unknown_placeholder_before_a_byte_is_written() -> None:
+    stream = io.StringIO()
+    options = PrintSettings(end_gcode="M104 S{temperature}")
+    with pytest.raises(SettingError, match=r"--end-gcode: nothing is known of \{temperature\}"):
+        write_gcode(stream, trace(stack(1), options), options)
+    assert stream.getvalue() == ""
+
+
+def test_same_bytes_every_time() -> None:
+    assert written(stack(3, 30))[0] == written(stack(3, 30))[0]
+
+
+def test_bed_too_small_before_a_byte_is_written() -> None:
+    stream = io.StringIO()
+    options = PrintSettings(bed="220x18")
+    with pytest.raises(SettingError, match=r"--bed 220x18: layer 0 goes to y = .* beyond its edge"):
+        write_gcode(stream, trace(stack(2), options), options)
+    assert stream.getvalue() == ""
+
+
+def test_too_high_before_a_byte_is_written() -> None:
+    stream = io.StringIO()
+    options = PrintSettings(build_height=0.3)
+    with pytest.raises(SettingError, match=r"--build-height 0\.3: layer 1"):
+        write_gcode(stream, trace(stack(2), options), options)
+    assert stream.getvalue() == ""
+
+
+def test_a_centred_origin_is_not_shifted() -> None:
+    printer = Printer().run(written(stack(1), bed_origin="centre")[0])
+    assert printer.ends().min() == pytest.approx(-9.6)
+
+
+def test_extrusion_that_would_overflow() -> None:
+    long = np.array([[0.0, 0, 0.2], [100, 0, 0.2]])
+    toolpath = Toolpath(
+        long,
+        np.full(2, EXTRUDE, np.int8),
+        np.array([0.0, 3e5]),
+        np.full(2, 10.0),
+        np.zeros(2, np.int64),
+        np.full(2, 2, np.int8),
+        np.full((2, 2), np.nan),
+    )
+    stream = io.StringIO()
+    with pytest.raises(SettingError, match="m of filament, more than the printer can count"):
+        write_gcode(stream, [toolpath], PrintSettings())
+    assert stream.getvalue() == ""
+
+
+def test_a_part_larger_than_the_bed() -> None:
+    bounds = np.array([[-115.0, -10, 0], [115, 10, 30]])
+    with pytest.raises(SettingError, match=r"10.00 mm too large in x"):
+        check_fits(bounds, PrintSettings())
+    with pytest.raises(SettingError, match=r"30\.00 mm high"):
+        check_fits(bounds / [2, 1, 1], PrintSettings(build_height=20))
+
+
+@pytest.mark.parametrize(
+    "name", ["print_speed", "travel_speed", "first_layer_speed", "z_speed", "retraction_speed"]
+)
+def test_speeds_of_zero_are_refused(name: str) -> None:
+    with pytest.raises(SettingError, match="above 0 mm/s") as caught:
+        PrintSettings(**{name: 0.0})  # type: ignore[arg-type]
+    assert caught.value.name == name
+
+
+def test_choices_are_checked() -> None:
+    with pytest.raises(SettingError, match="--route spiral: give least-retrace or trails or tree"):
+        PrintSettings(route="spiral")
+
+
+def test_steps_too_short_to_be_told_keep_their_filament() -> None:
+    count = 1000
+    points = np.column_stack([np.arange(count) * 1e-4, np.zeros(count), np.full(count, 0.2)])
+    toolpath = Toolpath(
+        points,
+        np.full(count, EXTRUDE, np.int8),
+        np.full(count, 1e-3),
+        np.full(count, 10.0),
+        np.zeros(count, np.int64),
+        np.full(count, 2, np.int8),
+        np.full((count, 2), np.nan),
+    )
+    stream = io.StringIO()
+    write_gcode(stream, [toolpath], PrintSettings())
+    printer = Printer().run(stream.getvalue())
+    assert len(printer.printing()) <= 101
+    assert sum(m.extruded for m in printer.moves) == pytest.approx(1 / FILAMENT, abs=1e-2)
+
+
+def test_layers_are_written_as_they_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    alive = 0
+    most = 0
+
+    def watched(paths: Iterator[Toolpath]) -> Iterator[Toolpath]:
+        import weakref
+
+        nonlocal alive, most
+
+        def gone() -> None:
+            nonlocal alive
+            alive -= 1
+
+        for path in paths:
+            copy = Toolpath(*(getattr(path, name) + 0 for name in path.__dataclass_fields__))
+            weakref.finalize(copy.points.base, gone)
+            alive += 1
+            most = max(most, alive)
+            yield copy
+
+    options = PrintSettings()
+    write_gcode(io.StringIO(), watched(trace(stack(8), options)), options)
+    assert most <= 3
+
+
+numbers = st.integers(-(10**9), 10**9)
+
+
+@given(st.lists(st.tuples(st.integers(0, 92), *[st.none() | numbers] * COLUMNS), max_size=30))
+def test_lines_say_their_numbers(rows: list[tuple[int | None, ...]]) -> None:
+    count = len(rows)
+    said = np.array([[v is not None for v in row[1:]] for row in rows]).reshape(count, COLUMNS)
+    words = np.array([[v or 0 for v in row[1:]] for row in rows]).reshape(count, COLUMNS)
+    lines = Lines(
+        np.array([row[0] for row in rows], dtype=np.int64),
+        words.astype(np.int64),
+        said.astype(bool),
+        np.arange(count) % 2,
+    )
+    text = rendered(lines, [b"", b";remark\n"]).decode()
+    found = text.replace(";remark\n", "").splitlines()
+    assert text.count(";remark\n") == count // 2
+    for row, line in itertools.zip_longest(rows, found):
+        parts = [f"G{row[0]}"]
+        for letter, value, decimals in zip("XYZIJEF", row[1:], DECIMALS.tolist(), strict=True):
+            if value is not None:
+                number = f"{value / 10**decimals:.{decimals}f}" if decimals else str(value)
+                number = number.rstrip("0").rstrip(".") if decimals else number
+                parts.append(letter + ("0" if number in ("-0", "") else number))
+        assert line == " ".join(parts)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(5.4, "5s"), (65, "1m 5s"), (3600, "1h 0m 0s"), (90061, "1d 1h 1m 1s")]
+)
+def test_durations(seconds: float, words: str) -> None:
+    assert spoken(seconds) == words
+
+
+@pytest.mark.parametrize("route", ["least-retrace", "trails"])
+@pytest.mark.parametrize("arcs", [False, True])
+def test_the_reader_agrees_with_the_writer(route: str, arcs: bool, tmp_path: Path) -> None:
+    layers = [layer(scattered(20, 10, 3), disc(14, 0.2 * k), k) for k in range(3)]
+    text, totals = written(layers, route=route, arcs=arcs, retraction=1.0, end_gcode="")
+    file = tmp_path / "a.gcode"
+    file.write_text(text)
+    found = read_gcode(file)
+    assert found.layers == 3
+    assert found.filament_mm == pytest.approx(totals.filament_mm, abs=1e-4)
+    assert found.time_s == pytest.approx(totals.time_s, rel=0.01)
+    assert found.least == pytest.approx(totals.bounds[0], abs=0.01)
+    assert found.greatest == pytest.approx(totals.bounds[1], abs=0.01)
+    printer = Printer().run(text)
+    assert found.extruded_mm == pytest.approx(sum(m.length for m in printer.printing()), rel=1e-4)
+
+
+@pytest.mark.parametrize("route", ["least-retrace", "trails"])
+def test_time_is_that_of_pygcodedecode(route: str, tmp_path: Path) -> None:
+    interpreter = pytest.importorskip("pyGCodeDecode.gcode_interpreter")
+    options = PrintSettings(
+        route=route, print_speed=40.0, travel_speed=120.0, retraction=1.0, corner_speed=5.0
+    )
+    stream = io.StringIO()
+    totals = write_gcode(stream, trace(stack(3, 25), options), options)
+    # From the first move at the part to the last: it counts neither homing nor the end block.
+    body = stream.getvalue()
+    first = body.index("G0 X")
+    file = tmp_path / "a.gcode"
+    file.write_text("G21\nG90\nM82\nG92 E0\n" + body[first : body.index("M73 P100")])
+    presets = tmp_path / "printer.yaml"
+    presets.write_text(
+        "test:\n  nozzle_diam: 0.8\n  filament_diam: 1.75\n  p_vel: 40\n  p_acc: 500\n  jerk: 5\n"
+        "  vX: 500\n  vY: 500\n  vZ: 500\n  vE: 500\n  firmware: junction_deviation\n"
+    )
+    setup = interpreter.setup(presets_file=presets, printer="test", verbosity_level=0)
+    start = Printer().run(body).moves[0].stop
+    setup.set_initial_position(dict(zip("XYZE", (*start, 0.0), strict=True)))
+    simulation = interpreter.simulation(
+        gcode_path=file, initial_machine_setup=setup, verbosity_level=0
+    )
+    theirs = simulation.blocklist[-1].get_segments()[-1].t_end
+    assert totals.time_s == pytest.approx(theirs, rel=0.05)
+
+
+def test_retractions_are_in_the_file_as_traced() -> None:
+    options = PrintSettings(route="trails", retraction=0.8)
+    paths = list(trace(stack(2, 20), options))
+    pulled = sum(int(np.count_nonzero(path.kind == RETRACT)) for path in paths)
+    text, _ = written(stack(2, 20), route="trails", retraction=0.8, extrusion="relative")
+    assert text.count("E-0.8") == pulled > 3

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from v3dcad.errors import FormatError
+from v3dcad.formats.profile import profile_names, profile_text, read_profile
+from v3dcad.settings import PrintSettings
+
+
+def test_profiles_that_come_along() -> None:
+    assert profile_names() == ["ender3v2", "generic-klipper", "generic-marlin"]
+    for name in profile_names():
+        PrintSettings(**read_profile(name))
+
+
+def test_the_thesis_printer_has_its_table() -> None:
+    # Table 3.2; the layer height is the structure's.
+    table = {
+        "first_layer_height": 0.2,
+        "bead_width": 0.8,
+        "print_speed": 10,
+        "travel_speed": 50,
+        "retraction": 0,
+        "filament_diameter": 1.75,
+        "flow": 100,
+    }
+    for found in (PrintSettings(**read_profile("ender3v2")), PrintSettings()):
+        assert {name: getattr(found, name) for name in table} == table
+
+
+def test_the_users_own_file(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text('bead_width = 1\nroute = "trails"\narcs = true\nperimeters = 2\n')
+    assert read_profile(str(file)) == {
+        "bead_width": 1.0,
+        "route": "trails",
+        "arcs": True,
+        "perimeters": 2,
+    }
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"bead_width = \nflow = 1", r"no TOML: .*line 1"),
+        (b"bead_with = 1", "bead_with is no setting; did you mean bead_width?"),
+        (b"zzz = 1", "zzz is no setting; see"),
+        (b"[machine]\nbed = 1", "machine is no setting"),
+        (b'bead_width = "wide"', "bead_width = 'wide': give a number"),
+        (b"arcs = 1", "arcs = 1: give true or false"),
+        (b"perimeters = 1.5", "perimeters = 1.5: give a whole number"),
+        (b"perimeters = true", "perimeters = True: give a whole number"),
+        (b"flow = -5", r"flow: --flow -5.*above 0 %"),
+        (b"flow = inf", "give a finite number"),
+        (b'route = "spiral"', "route: --route spiral: give"),
+        (b'bed = "wide"', "write two lengths"),
+        (b"flow = 1\n# \xff", "line 2: no UTF-8"),
+        (b"#" * 1_000_001, "larger than 1 MB"),
+    ],
+)
+def test_bad_content(tmp_path: Path, content: bytes, message: str) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_bytes(content)
+    with pytest.raises(FormatError, match=message) as caught:
+        read_profile(str(file))
+    assert caught.value.path == str(file)
+
+
+def test_no_such_profile() -> None:
+    with pytest.raises(FormatError, match=r"ender4: cannot be read .*or one of ender3v2"):
+        read_profile("ender4")
+
+
+def test_a_profile_reads_back(tmp_path: Path) -> None:
+    values = {
+        "bead_width": 0.6,
+        "perimeters": 3,
+        "arcs": False,
+        "route": "tree",
+        "bed": "100x100",
+        "start_gcode": 'M117 "quoted" \\ back\n"""\nG28\n',
+    }
+    file = tmp_path / "mine.toml"
+    file.write_text(profile_text(values, "mine"))
+    assert read_profile(str(file)) == values

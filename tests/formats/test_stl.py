@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from v3dcad.errors import FormatError
+from v3dcad.formats.stl import ascii_stl, binary_stl, normals, read_stl
+from v3dcad.model import Mesh
+
+TETRAHEDRON = Mesh(
+    np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1 / 3]]),
+    np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]),
+)
+
+
+def written(tmp_path: Path, content: bytes) -> Path:
+    path = tmp_path / "part.stl"
+    path.write_bytes(content)
+    return path
+
+
+def corners(mesh: Mesh) -> list[list[float]]:
+    return sorted(mesh.vertices[mesh.triangles].reshape(-1, 9).tolist())
+
+
+def test_ascii_keeps_every_bit(tmp_path: Path) -> None:
+    path = written(tmp_path, ascii_stl(TETRAHEDRON, "a part").encode())
+    again = read_stl(path)
+    assert corners(again) == corners(TETRAHEDRON)
+    assert len(again.vertices) == 4
+
+
+def test_binary_keeps_float32(tmp_path: Path) -> None:
+    again = read_stl(written(tmp_path, binary_stl(TETRAHEDRON)))
+    rounded = Mesh(TETRAHEDRON.vertices.astype(np.float32).astype(float), TETRAHEDRON.triangles)
+    assert corners(again) == corners(rounded)
+
+
+@pytest.mark.parametrize("write", [binary_stl, lambda mesh: ascii_stl(mesh, "x").encode()])
+def test_trimesh_reads_what_we_write(tmp_path: Path, write) -> None:  # type: ignore[no-untyped-def]
+    loaded = trimesh.load(written(tmp_path, write(TETRAHEDRON)))
+    assert loaded.is_watertight
+    assert loaded.volume == pytest.approx(1 / 18)
+
+
+def test_we_read_what_trimesh_writes(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    for content in (ball.export(file_type="stl"), ball.export(file_type="stl_ascii").encode()):
+        mesh = read_stl(written(tmp_path, content))
+        assert len(mesh.triangles) == 320
+        assert len(mesh.vertices) == 162
+
+
+def test_binary_whose_header_says_solid(tmp_path: Path) -> None:
+    content = b"solid".ljust(80) + binary_stl(TETRAHEDRON)[80:]
+    assert len(read_stl(written(tmp_path, content)).triangles) == 4
+
+
+def test_triangles_without_area_are_left_out(tmp_path: Path) -> None:
+    flat = Mesh(TETRAHEDRON.vertices, np.vstack([TETRAHEDRON.triangles, [[0, 0, 1]]]))
+    assert len(read_stl(written(tmp_path, binary_stl(flat))).triangles) == 4
+
+
+def test_crlf_capitals_and_exponents(tmp_path: Path) -> None:
+    text = ascii_stl(TETRAHEDRON, "X").replace("vertex 1.0", "VERTEX +1.0E+00")
+    text = text.replace("endsolid", "ENDSOLID").replace("solid X", "SOLID X", 1)
+    again = read_stl(written(tmp_path, text.replace("\n", "\r\n").encode()))
+    assert corners(again) == corners(TETRAHEDRON)
+
+
+def test_normals_point_out_and_are_zero_without_area() -> None:
+    triangles = np.array([[[0.0, 0, 0], [2, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 1, 1], [2, 2, 2]]])
+    assert normals(triangles).tolist() == [[0, 0, 1], [0, 0, 0]]
+
+
+GOOD = ascii_stl(TETRAHEDRON, "x")
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "empty"),
+        (b"hello, world", "not an STL file"),
+        (b"\x00" * 200, "neither ASCII"),
+        (b"header".ljust(80) + b"\xff\xff\xff\x7f" + b"\x00" * 16, "announces 2147483647"),
+        (binary_stl(TETRAHEDRON)[:-7], "announces 4"),
+        (GOOD.replace("endsolid x", "").encode(), "cut off"),
+        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 zero 0.0", 1).encode(), "line 6.*'zero'"),
+        (GOOD.replace("      vertex 1.0 0.0 0.0\n", "", 1).encode(), "4 facets have 11"),
+        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 0.0", 1).encode(), "11 of them readable"),
+        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex nan 0.0 0.0", 1).encode(), "not a finite"),
+        (b"solid x\nendsolid x\n", "no triangles"),
+    ],
+)
+def test_damaged_files_are_refused(tmp_path: Path, content: bytes, says: str) -> None:
+    with pytest.raises(FormatError, match=says) as caught:
+        read_stl(written(tmp_path, content))
+    assert "part.stl" in str(caught.value)

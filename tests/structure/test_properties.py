@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from v3dcad import FillSettings, Section, SettingError, fill_sections
+from v3dcad.structure.overhang import section_area
+from v3dcad.structure.properties import properties
+
+SQUARE = np.array([[0.0, 0], [20, 0], [20, 10], [0, 10]])
+HOLE = np.array([[3.0, 3], [3, 6], [7, 6], [7, 3]])
+
+
+def stack(rings, sites, layers=5, offset=0.0):  # type: ignore[no-untyped-def]
+    sections = [Section(0.5 * k, rings) for k in range(layers)]
+    return fill_sections(
+        sections, np.array(sites), FillSettings(offset=offset, layer_height=0.5)
+    ).layers
+
+
+def test_a_box_of_two_cells_in_closed_form() -> None:
+    """20 × 10 box, wall in the middle, beads 1 wide: two voids of 8.5 × 8."""
+    found = properties(stack((SQUARE,), [[5.0, 5], [15, 5]]), 0.5, 1.0, 1.25)
+    void = 8.5 * 8
+    area = 200 - 2 * void
+    assert found.volume == pytest.approx(area * 2.5)
+    assert found.mass == pytest.approx(area * 2.5 * 1.25e-3)
+    assert found.relative_density == pytest.approx(area / 200)
+    assert found.centre == pytest.approx([10, 5, 1.25])
+    # Ixx of a box minus that of two smaller ones, about the common centre.
+    grams = 1.25e-3 * 2.5
+
+    def box(width: float, depth: float, away: float) -> np.ndarray:
+        mass = grams * width * depth
+        across = (depth**2 + 2.5**2) / 12
+        along = (width**2 + 2.5**2) / 12 + away**2
+        flat = (width**2 + depth**2) / 12 + away**2
+        return mass * np.diag([across, along, flat])
+
+    expected = box(20, 10, 0) - 2 * box(8.5, 8, 4.75)
+    assert found.inertia == pytest.approx(expected, abs=1e-9)
+
+
+def test_beads_are_counted_once_where_they_meet() -> None:
+    """Against the union of all beads, as GEOS buffers it with round ends."""
+    sites = np.random.default_rng(4).uniform(0, [20, 10], (12, 2))
+    layers = stack((SQUARE, HOLE), sites, layers=1)
+    found = properties(layers, 0.5, 0.6, 1.0)
+    diagram = layers[0].diagram
+    area = section_area(layers[0].section)
+    walls = shapely.multilinestrings(list(diagram.vertices[diagram.edges[diagram.inner()]]))
+    union = shapely.unary_union(
+        [shapely.buffer(walls, 0.3, quad_segs=64), shapely.buffer(area.boundary, 0.6, quad_segs=64)]
+    )
+    material = shapely.intersection(union, area)
+    assert found.volume == pytest.approx(material.area * 0.5, rel=1e-5)
+    assert found.centre[:2] == pytest.approx(
+        shapely.get_coordinates(material.centroid)[0], rel=1e-5
+    )
+
+
+def test_wide_beads_fill_the_part() -> None:
+    found = properties(stack((SQUARE,), [[5.0, 5], [15, 5]]), 0.5, 50.0, 1.0)
+    assert found.relative_density == 1
+    assert found.volume == pytest.approx(200 * 2.5)
+
+
+@pytest.mark.parametrize("name", ["bead_width", "density"])
+def test_nothing_wide_or_heavy_is_refused(name: str) -> None:
+    with pytest.raises(SettingError, match=name):
+        properties([], 0.5, **{"bead_width": 1.0, "density": 1.0, name: 0.0})

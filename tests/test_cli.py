@@ -1,0 +1,190 @@
+"""The command line as a user meets it: exit codes, one line for each mistake, no debris."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from v3dcad.cli import main
+
+
+def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", "from v3dcad.cli import main; main()", *map(str, words)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent.parent)},
+    )
+
+
+def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
+    """What a failing command says; it must be one line, with exit code 2."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["v3dcad", *map(str, words)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+    assert stop.value.code == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1, said
+    assert said.startswith("v3dcad: ")
+    return said
+
+
+def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None:
+    done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 4)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == "", "no progress in a pipe"
+    files = sorted(file.name for file in (tmp_path / "out").iterdir())
+    assert files == [f"bracket.{end}" for end in ("gcode", "json", "ont", "png", "step")]
+    for word in ("layers", "cells", "walls", "wall length", *files):
+        assert word in done.stdout
+    again = run("fill", tmp_path / "out" / "bracket.ont", "--report", tmp_path / "again.json")
+    assert again.returncode == 0, again.stderr
+    told = run("info", tmp_path / "out" / "bracket.ont")
+    assert "4 mm" in told.stdout
+
+
+def test_info_tells_what_a_part_holds(samples: Path) -> None:
+    told = run("info", samples / "islands.step").stdout
+    for word in ("B-rep", "solids", "2", "15541.2", "56 × 24 × 20 mm"):
+        assert word in told
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--layer-height", 0], "--layer-height 0.0: give a number above 0 mm"),
+        (["--layer-height", -1], "--layer-height -1"),
+        (["--layer-height", "nan"], "finite"),
+        (["--layer-height", 99], "only 30 mm high"),
+        (["--sites", 0], "--sites 0: give a number of at least 1"),
+        (["--offset", -0.1], "--offset -0.1"),
+        (["--bed", "220"], "such as 220x220"),
+        (["--bed", "30x220"], "10.00 mm too large in x"),
+        (["--print-speed", 0], "--print-speed"),
+    ],
+)
+def test_settings_out_of_range(
+    words: list[object],
+    says: str,
+    samples: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    said = mistake(capsys, "fill", samples / "cone.step", "--out", tmp_path / "out", *words)
+    assert says in said
+    assert not list(tmp_path.rglob("*.*")), "something was left behind"
+
+
+NOT_PARTS = {
+    "empty.step": b"",
+    "words.step": b"hello",
+    "cut.step": b"ISO-10303-21;\nHEADER;\n",
+    "words.stl": b"hello",
+    "words.brep": b"hello",
+    "words.ont": b"hello",
+    "part.docx": b"hello",
+}
+
+
+@pytest.mark.parametrize("name", NOT_PARTS)
+def test_files_that_are_no_parts(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / name).write_bytes(NOT_PARTS[name])
+    said = mistake(capsys, "fill", tmp_path / name, "--out", tmp_path / "out")
+    assert name in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_missing_file_and_nothing_to_write(
+    samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "No such file" in mistake(capsys, "fill", tmp_path / "no.step", "--out", tmp_path / "o")
+    assert "--out DIR" in mistake(capsys, "fill", samples / "cone.step")
+    assert "cannot be read" in mistake(capsys, "info", tmp_path)
+    stl = samples / "pyramid.stl"
+    assert "overwrite the part" in mistake(capsys, "fill", stl, "--gcode", stl)
+
+
+def test_a_step_file_without_a_solid(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from build123d import Rectangle, export_step
+
+    export_step(Rectangle(10, 10).face(), tmp_path / "sheet.step")
+    said = mistake(capsys, "fill", tmp_path / "sheet.step", "--out", tmp_path / "out")
+    assert "sheet.step: holds no solid" in said
+
+
+def test_sites_from_a_file(
+    samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    csv = tmp_path / "sites.csv"
+    fill = ("fill", samples / "cone.step", "--layer-height", 10, "--sites-file", csv)
+    csv.write_text("x,y\n1,2\n-3,4.5\n0,0\n")
+    done = run(*fill, "--report", tmp_path / "a.json")
+    assert done.returncode == 0, done.stderr
+    assert "cells         3" in done.stdout
+    for text, says in (
+        ("x,y\n", "no sites"),
+        ("1,2\n3\n", "line 2: write one `x,y`"),
+        ("1,2\n3,inf\n", "line 2: not a finite"),
+        ("500,500\n", "all sites lie outside"),
+    ):
+        csv.write_text(text)
+        assert says in mistake(capsys, *fill, "--report", tmp_path / "b.json")
+    assert not (tmp_path / "b.json").exists()
+
+
+def test_a_folder_that_cannot_be_written(
+    samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "out").write_text("a file where the folder should be")
+    said = mistake(capsys, "fill", samples / "cone.step", "--out", tmp_path / "out")
+    assert "cannot be written" in said
+    assert [file.name for file in tmp_path.iterdir()] == ["out"]
+
+
+def test_without_libgl_the_remedy_is_named(
+    samples: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class NoKernel:
+        @staticmethod
+        def find_spec(name: str, path: object = None, target: object = None) -> None:
+            if name.split(".")[0] == "OCP":
+                raise ImportError("libGL.so.1: cannot open shared object file")
+
+    for name in [
+        name for name in sys.modules if name.split(".")[0] == "OCP" or "v3dcad.kernel" in name
+    ]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [NoKernel, *sys.meta_path])
+    said = mistake(capsys, "fill", samples / "cone.step", "--out", tmp_path / "out")
+    assert "apt-get install -y libgl1" in said
+
+
+def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
+    import signal
+    import time
+
+    child = subprocess.Popen(
+        [sys.executable, "-c", "from v3dcad.cli import main; main()", "fill",
+         str(samples / "pyramid.stl"), "--out", str(tmp_path / "out"), "--layer-height", "0.01"],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=samples.parent,
+    )  # fmt: skip
+    out = tmp_path / "out"
+    while child.poll() is None and not (out.is_dir() and any(out.iterdir())):
+        time.sleep(0.05)
+    child.send_signal(signal.SIGINT)
+    _, said = child.communicate(timeout=30)
+    assert child.returncode == 130, said
+    assert "Traceback" not in said
+    assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"

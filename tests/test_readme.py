@@ -1,0 +1,40 @@
+"""What README shows is run."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_python_example_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", README, re.S)
+    (tmp_path / "example.py").write_text(code)
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path("example.py")
+    assert (tmp_path / "walls.step").stat().st_size > 1000
+    assert (tmp_path / "walls.gcode").stat().st_size > 1000
+    assert len(capsys.readouterr().out.splitlines()) == 40
+
+
+def test_the_options_shown_exist_with_these_defaults() -> None:
+    from v3dcad import FillSettings, PrintSettings
+
+    rows = re.findall(r"^\| `--([a-z-]+)` \| ([^ |]*)", README, re.M)
+    assert len(rows) == 7
+    for name, default in rows:
+        field = name.replace("-", "_")
+        for cls in (FillSettings, PrintSettings):
+            if field in cls.__dataclass_fields__:
+                assert str(getattr(cls(), field)) == default
+
+
+def test_files_that_are_linked_are_there() -> None:
+    for target in re.findall(r"\]\(([^)]+)\)", README):
+        assert (Path(__file__).parent.parent / target).exists(), target

@@ -1,0 +1,328 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from diagrams import area_of, disc, layer, scattered, square, stack
+
+from v3dcad.errors import GeometryError
+from v3dcad.model import (
+    BRIM,
+    CELLS,
+    EXTRUDE,
+    PERIMETER,
+    RETRACED,
+    RETRACT,
+    SKIRT,
+    SOLID,
+    TRAVEL,
+    UNRETRACT,
+    Floats,
+    Layer,
+    Section,
+    Toolpath,
+)
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.beads import bead_area, trace
+from v3dcad.toolpath.report import LayerReport, findings
+
+ROUTES = ["least-retrace", "trails", "tree"]
+ORDERS = ["together", "before", "after"]
+
+
+def steps(toolpath: Toolpath, *features: int) -> Floats:
+    """(k, 2, 2) flat segments extruded for these features, or for any."""
+    ends = np.stack([toolpath.points[:-1], toolpath.points[1:]], axis=1)[..., :2]
+    chosen = toolpath.kind[1:] == EXTRUDE
+    if features:
+        chosen &= np.isin(toolpath.feature[1:], features)
+    return ends[chosen]
+
+
+def drawn(toolpath: Toolpath, *features: int) -> shapely.Geometry:
+    return shapely.multilinestrings(shapely.linestrings(steps(toolpath, *features)))
+
+
+def traced(
+    made: Layer | list[Layer], **settings: object
+) -> tuple[list[Toolpath], list[LayerReport]]:
+    reports: list[LayerReport] = []
+    layers = made if isinstance(made, list) else [made]
+    paths = list(trace(layers, PrintSettings(**settings), reports.append))  # type: ignore[arg-type]
+    return paths, reports
+
+
+def cell_edges(made: Layer) -> shapely.Geometry:
+    inner = made.diagram.edges[made.diagram.inner()]
+    return shapely.multilinestrings(shapely.linestrings(made.diagram.vertices[inner]))
+
+
+@pytest.mark.parametrize("route", ROUTES)
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("contour", ["inset", "centre"])
+def test_every_cell_edge_and_perimeter_is_extruded_once(
+    route: str, order: str, contour: str
+) -> None:
+    made = layer(scattered(25, 10, 3), square(10, hole=2))
+    (path,), _ = traced(
+        made, route=route, perimeter_order=order, contour=contour, perimeters=2, minimum_edge=0.0
+    )
+    outermost = 0.4 if contour == "inset" else 0.0
+    area = area_of(made.section)
+    outer, inner = (
+        area.buffer(-depth, join_style="mitre") for depth in (outermost, outermost + 0.8)
+    )
+    perimeters = shapely.union(outer.boundary, inner.boundary)
+    cells = shapely.intersection(cell_edges(made), inner)
+    for feature, expected in ((PERIMETER, perimeters), (CELLS, cells)):
+        found = drawn(path, feature)
+        assert found.length == pytest.approx(expected.length, rel=1e-9)
+        assert shapely.union_all(found).length == pytest.approx(found.length, rel=1e-9)
+        assert found.buffer(1e-6).covers(expected)
+        assert expected.buffer(1e-6).covers(found)
+
+
+@pytest.mark.parametrize("section", [square(10), square(10, hole=3), disc(10)])
+@pytest.mark.parametrize("contour", ["inset", "centre"])
+def test_nothing_is_extruded_outside(section: Section, contour: str) -> None:
+    made = layer(scattered(25, 10, 4), section)
+    (path,), _ = traced(made, contour=contour, perimeters=2)
+    beads = drawn(path).buffer(0.4, cap_style="flat", join_style="mitre")
+    area = area_of(section)
+    assert (
+        (area if contour == "inset" else area.buffer(0.4, join_style="mitre"))
+        .buffer(1e-6)
+        .covers(beads)
+    )
+
+
+def test_an_inset_print_has_the_size_of_the_part() -> None:
+    (path,), _ = traced(layer(scattered(25, 10, 4), square(10)))
+    beads = drawn(path, PERIMETER).buffer(0.4, join_style="mitre", cap_style="square")
+    assert beads.bounds == pytest.approx((-10, -10, 10, 10))
+
+
+def test_volume_is_length_times_area_times_flow() -> None:
+    layers = stack(3)
+    paths, _ = traced(layers, flow=90.0, first_layer_flow=120.0, first_layer_height=0.3)
+    for number, path in enumerate(paths):
+        height = 0.3 if number == 0 else 0.2
+        flow = 1.2 if number == 0 else 0.9
+        length = drawn(path).length
+        assert path.volume.sum() == pytest.approx(length * 0.8 * height * flow, rel=1e-9)
+        assert (path.volume[path.kind != EXTRUDE] == 0).all()
+        assert path.points[2:, 2] == pytest.approx(0.3 + 0.2 * number)
+
+
+def test_arcs_are_paid_by_their_length() -> None:
+    (path,), _ = traced(layer(scattered(9, 6, 2), disc(10, points=48)), arcs=True)
+    arc = np.isfinite(path.centre[:, 0]) & (path.kind == EXTRUDE)
+    assert path.volume[arc].sum() == pytest.approx(2 * np.pi * 9.6 * 0.8 * 0.2, rel=1e-9)
+
+
+def test_the_first_layer_has_its_own_speed() -> None:
+    paths, _ = traced(stack(2), first_layer_speed=7.0, print_speed=30.0)
+    for path, speed in zip(paths, (7.0, 30.0), strict=True):
+        assert (path.speed[path.kind == EXTRUDE] == speed).all()
+
+
+@pytest.mark.parametrize(("width", "height"), [(0.8, 0.2), (0.4, 0.4), (0.3, 0.6)])
+def test_bead_areas(width: float, height: float) -> None:
+    low = min(width, height)
+    line = shapely.LineString([(0, 0), (max(width, height) - low, 0)])
+    rounded = line.buffer(low / 2, quad_segs=512).area
+    assert bead_area(width, height, "rounded") == pytest.approx(rounded, rel=1e-5)
+    assert bead_area(width, height, "rectangle") == width * height
+
+
+def test_overlap_compensation_brings_the_volume_to_the_area_covered() -> None:
+    made = layer(scattered(25, 10, 3), square(10))
+    (full,), _ = traced(made)
+    (compensated,), _ = traced(made, overlap_compensation=True)
+    covered = drawn(full).buffer(0.4, join_style="mitre", cap_style="flat").area * 0.2
+    assert full.volume.sum() > 1.04 * covered
+    assert compensated.volume.sum() == pytest.approx(covered, rel=0.01)
+
+
+def test_least_retrace_is_one_stroke_and_meets_its_bound() -> None:
+    _, reports = traced(stack(4, 30))
+    for report in reports:
+        assert report.strokes == 1
+        assert report.retractions == 0
+        assert report.retraced == pytest.approx(report.least_retraced, abs=0.01)
+
+
+def test_trails_retrace_nothing() -> None:
+    _, reports = traced(stack(2, 30), route="trails", retraction=1.0, retraction_travel=0.0)
+    for report in reports:
+        assert report.retraced == 0
+        assert report.least_retraced > 0
+        # Every stroke but the print's first is reached by a travel with a retraction.
+        assert report.retractions == report.strokes - (report.layer == 0)
+
+
+def test_reported_lengths_are_those_of_the_toolpath() -> None:
+    (path,), (report,) = traced(layer(scattered(25, 10, 3), square(10, hole=2)))
+    length = np.hypot(*np.diff(path.points[:, :2], axis=0).T)
+    assert report.extruded == pytest.approx(drawn(path).length)
+    assert report.retraced == pytest.approx(length[path.feature[1:] == RETRACED].sum())
+
+
+def test_layers_start_near_the_end_of_the_one_below() -> None:
+    paths, _ = traced(stack(6, 30))
+    for below, above in pairwise(paths):
+        start = above.points[np.argmax(above.kind == EXTRUDE) - 1]
+        assert np.hypot(*(start - below.points[-1])[:2]) < 0.5
+
+
+def test_retraction_and_hop_surround_a_travel() -> None:
+    made = layer(scattered(25, 10, 3), square(10))
+    (path,), _ = traced(made, route="trails", retraction=1.0, z_hop=0.5, retraction_travel=2.0)
+    kinds = path.kind.tolist()
+    pulled = np.nonzero(path.kind == RETRACT)[0]
+    assert len(pulled) > 3
+    for place in pulled.tolist():
+        back = kinds.index(UNRETRACT, place)
+        assert set(kinds[place + 1 : back]) == {TRAVEL}
+        assert path.points[place + 1 : back - 1, 2] == pytest.approx(0.7)
+        assert path.points[back, 2] == pytest.approx(0.2)
+        flat = path.points[place:back, :2]
+        assert np.hypot(*np.diff(flat, axis=0).T).sum() >= 2.0
+    assert np.count_nonzero(path.kind == UNRETRACT) == len(pulled)
+
+
+def test_short_travels_are_not_retracted() -> None:
+    made = layer(scattered(25, 10, 3), square(10))
+    assert (
+        traced(made, route="trails", retraction=1.0, retraction_travel=50.0)[1][0].retractions == 0
+    )
+
+
+def test_firmware_retraction_needs_no_length() -> None:
+    made = layer(scattered(25, 10, 3), square(10))
+    _, (report,) = traced(made, route="trails", retraction_by="firmware")
+    assert report.retractions > 0
+
+
+@pytest.mark.parametrize("route", ["trails", "tree"])
+def test_travels_stay_inside_where_a_way_exists(route: str) -> None:
+    made = layer(scattered(25, 10, 3), square(10, hole=5))
+    (path,), _ = traced(made, route=route)
+    ends = np.stack([path.points[:-1], path.points[1:]], axis=1)[2:, :, :2]
+    moves = shapely.linestrings(ends[path.kind[3:] == TRAVEL])
+    assert shapely.covers(area_of(made.section).buffer(1e-9), moves).all()
+
+
+def test_skirt_and_brim_go_around_the_first_layer_only() -> None:
+    layers = stack(2)
+    plain, _ = traced(layers)
+    paths, _ = traced(layers, skirt_loops=2, skirt_distance=3.0, brim_width=2.0)
+    brim = drawn(paths[0], BRIM).buffer(0.4, join_style="mitre", cap_style="square")
+    assert brim.bounds == pytest.approx((-12.4, -12.4, 12.4, 12.4))
+    assert brim.difference(area_of(layers[0].section)).area == pytest.approx(24.8**2 - 400)
+    skirt = drawn(paths[0], SKIRT)
+    assert skirt.length == pytest.approx(8 * (12.4 + 3 + 0.4) + 8 * (12.4 + 3 + 1.2))
+    assert not np.isin(paths[1].feature, (SKIRT, BRIM)).any()
+    assert drawn(paths[0], CELLS, PERIMETER).length == pytest.approx(drawn(plain[0]).length)
+
+
+def test_solid_layers_cover_the_section() -> None:
+    layers = stack(5)
+    paths, _ = traced(layers, bottom_layers=1, top_layers=2)
+    solid = [bool((path.feature == SOLID).any()) for path in paths]
+    assert solid == [True, False, False, True, True]
+    for path in (paths[0], paths[-1]):
+        assert not (path.feature == CELLS).any()
+        beads = drawn(path).buffer(0.41)
+        assert area_of(layers[0].section).difference(beads).area < 0.02 * 400
+    turned = [steps(paths[number], SOLID)[0] for number in (3, 4)]
+    directions = [end - start for start, end in turned]
+    assert np.dot(*directions) == pytest.approx(0, abs=1e-9)
+
+
+def test_solid_lines_are_joined_by_short_steps_only() -> None:
+    made = layer(scattered(25, 10, 3), square(10, hole=4))
+    (path,), _ = traced(made, bottom_layers=1)
+    inside = area_of(made.section).buffer(-0.8, join_style="mitre")
+    assert drawn(path, SOLID).length == pytest.approx(inside.area / 0.8, rel=0.1)
+    assert inside.buffer(1e-6).covers(drawn(path, SOLID))
+
+
+def test_layers_are_streamed() -> None:
+    taken = 0
+
+    def layers() -> Iterator[Layer]:
+        nonlocal taken
+        for made in stack(6):
+            taken += 1
+            yield made
+
+    paths = trace(layers(), PrintSettings(top_layers=2))
+    next(paths)
+    assert taken == 3
+
+
+def test_an_empty_section_gives_an_empty_toolpath() -> None:
+    first, last = stack(2)
+    empty = layer(scattered(3, 5, 0), square(10, 0.2))
+    nothing = Layer(
+        1,
+        Section(0.2, ()),
+        empty.state,
+        type(empty.diagram)(np.empty((0, 2)), *(np.empty((0, 2), np.int64) for _ in range(3))),
+        np.empty((0, 2), np.int64),
+        0.0,
+    )
+    paths, reports = traced([first, nothing])
+    assert len(paths[1].points) == 0
+    assert reports[1].strokes == 0
+    assert len(last.diagram.edges)
+
+
+def test_what_is_too_narrow_is_reported() -> None:
+    corners = np.array(
+        [[-10.0, -5], [10, -5], [10, 5], [1, 5], [1, 9], [0.5, 9], [0.5, 5], [-10, 5]]
+    )
+    made = layer(scattered(6, 5, 2), Section(0.0, (corners,)))
+    _, (report,) = traced(made)
+    assert report.narrow_area == pytest.approx(0.5 * 4, rel=0.05)
+    assert findings([report]) == [
+        "2.00 mm² of 1 layers are too narrow for a bead and stay empty; "
+        "use a narrower bead, or --contour centre"
+    ]
+
+
+def test_joined_edges_are_a_finding() -> None:
+    _, reports = traced(layer(scattered(60, 10, 3), square(10)), minimum_edge=0.5)
+    assert reports[0].joined_edges > 0
+    assert findings(reports) == [
+        f"{reports[0].joined_edges} edges shorter than --minimum-edge were joined "
+        "to their neighbours"
+    ]
+
+
+def test_cells_filled_by_the_bead_are_reported() -> None:
+    # The two cells in the middle are strips 0.2 mm wide.
+    sites = np.array([[-0.3, 0], [-0.1, 0], [0.1, 0], [0.3, 0]])
+    made = layer(sites, square(10))
+    assert traced(made, bead_width=0.7)[1][0].narrow_cells == ()
+    _, reports = traced(made, bead_width=0.8)
+    assert reports[0].narrow_cells == (1, 2)
+    assert findings(reports)[0].startswith(
+        "the bead is wider than twice the gap of cell 1 (layers 0 to 0), cell 2 (layers 0 to 0):"
+    )
+
+
+def test_layers_must_ascend() -> None:
+    with pytest.raises(GeometryError, match=r"layer 0: .*ascending") as caught:
+        traced(stack(2)[::-1])
+    assert caught.value.layer == 0
+
+
+def test_the_same_layers_give_the_same_toolpath() -> None:
+    once, twice = (traced(stack(2, 30))[0] for _ in range(2))
+    for one, other in zip(once, twice, strict=True):
+        assert one.points.tobytes() == other.points.tobytes()

@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from diagrams import stack
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from v3dcad.geometry.motion import move_seconds
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.estimate import estimate
+
+
+def seconds(steps: list[list[float]], speed: float, **given: float) -> float:
+    moves = np.array(steps)
+    length = np.linalg.norm(moves, axis=1)
+    options = PrintSettings(**given)  # type: ignore[arg-type]
+    asked = np.full(len(moves), speed)
+    return float(move_seconds(moves, length, np.zeros(len(moves)), asked, options).sum())
+
+
+def test_one_move_speeds_up_runs_and_slows_down() -> None:
+    # 50 mm/s at 500 mm/s²: 0.1 s and 2.5 mm at either end.
+    assert seconds([[100, 0, 0]], 50, acceleration=500) == pytest.approx(0.2 + 95 / 50)
+
+
+def test_a_short_move_never_reaches_its_speed() -> None:
+    assert seconds([[2, 0, 0]], 1000, acceleration=500) == pytest.approx(2 * np.sqrt(2 / 500))
+
+
+def test_a_straight_way_may_be_divided_at_will() -> None:
+    whole = seconds([[100, 0, 0]], 50)
+    assert seconds([[7, 0, 0]] + [[1, 0, 0]] * 93, 50) == pytest.approx(whole)
+
+
+def test_a_right_angle_is_passed_at_the_corner_speed() -> None:
+    a, v, corner = 500.0, 50.0, 8.0
+    one = (v / a) + (v - corner) / a + (50 - v**2 / (2 * a) - (v**2 - corner**2) / (2 * a)) / v
+    found = seconds([[50, 0, 0], [0, 50, 0]], v, acceleration=a, corner_speed=corner)
+    assert found == pytest.approx(2 * one)
+
+
+def test_a_faster_move_speeds_up_after_the_slower_one() -> None:
+    moves = np.array([[10.0, 0, 0], [100, 0, 0]])
+    found = move_seconds(
+        moves, moves[:, 0], np.zeros(2), np.array([10.0, 50]), PrintSettings(acceleration=500)
+    )
+    assert found == pytest.approx([10 / 500 + 9.9 / 10, 40 / 500 + 50 / 500 + 95.1 / 50])
+
+
+def test_turning_back_stops() -> None:
+    assert seconds([[50, 0, 0], [-50, 0, 0]], 50) == pytest.approx(2 * seconds([[50, 0, 0]], 50))
+
+
+@settings(max_examples=50, deadline=None, derandomize=True)
+@given(
+    st.lists(st.tuples(*[st.floats(-20, 20)] * 3), min_size=1, max_size=30),
+    st.floats(1, 300),
+    st.floats(0, 20),
+)
+def test_between_never_stopping_and_always_stopping(
+    steps: list[tuple[float, ...]], speed: float, corner: float
+) -> None:
+    moves = [list(step) for step in steps]
+    found = seconds(moves, speed, corner_speed=corner)
+    length = sum(np.linalg.norm(step) for step in moves)
+    assert found >= length / speed - 1e-9
+    assert found <= sum(seconds([step], speed) for step in moves) + 1e-9
+
+
+def test_filament_and_mass() -> None:
+    options = PrintSettings()
+    paths = list(trace(stack(3), options))
+    found = estimate(paths, options)
+    volume = sum(path.volume.sum() for path in paths)
+    assert found.filament_mm == pytest.approx(volume / (np.pi / 4 * 1.75**2))
+    assert found.mass_g == pytest.approx(volume * 1.24e-3)
+    length = sum(np.linalg.norm(np.diff(path.points, axis=0), axis=1).sum() for path in paths)
+    assert length / 50 < found.time_s < length / 10 + 100
+
+
+def test_nothing_takes_no_time() -> None:
+    assert estimate([], PrintSettings()).time_s == 0

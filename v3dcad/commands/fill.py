@@ -1,0 +1,144 @@
+"""Commands that fill parts and tell what they hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from v3dcad.commands.progress import Progress
+from v3dcad.commands.rows import print_rows
+from v3dcad.errors import SettingError
+from v3dcad.options import given, with_options
+from v3dcad.settings import FillSettings, PrintSettings
+
+if TYPE_CHECKING:
+    from v3dcad.pipeline import Structure
+    from v3dcad.report import Print
+
+OUTPUTS = ("gcode", "ont", "step", "png", "report")
+"""What `fill` writes, in this order: the one that may refuse the part comes first."""
+
+ENDINGS = {"report": "json"}
+
+OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write just this file.")]
+
+
+@with_options(FillSettings, PrintSettings)
+def fill(
+    part: Annotated[Path, typer.Argument(metavar="PART", help="STEP, STL, BREP or .ont file.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for all five files.")
+    ] = None,
+    sites_file: Annotated[
+        Path | None,
+        typer.Option(metavar="CSV", help="Sites as x,y in mm, bed coordinates; not scattered."),
+    ] = None,
+    profile: Annotated[
+        str | None,
+        typer.Option(metavar="NAME|TOML", help="Machine profile: ender3v2 or a file of yours."),
+    ] = None,
+    ont: OutputFile = None,
+    gcode: OutputFile = None,
+    step: OutputFile = None,
+    png: OutputFile = None,
+    report: OutputFile = None,
+    **settings: Any,
+) -> None:
+    """Fill PART and write .ont, G-code, STEP, a picture and a report."""
+    named = {"ont": ont, "gcode": gcode, "step": step, "png": png, "report": report}
+    files = _files(part, out, named)
+    from v3dcad.parts import check_readable
+    from v3dcad.pipeline import fill as fill_part
+
+    printing = _print_settings(profile, settings)
+    chosen = given(FillSettings, settings)
+    if sites_file is not None:
+        from v3dcad.formats.sites_csv import read_sites
+
+        check_readable(sites_file)
+        chosen["sites"] = read_sites(sites_file)
+    with Progress() as progress:
+        progress.start("reading and cutting the part")
+        structure = fill_part(part, **chosen)
+        watched = replace(structure, layers=progress.watch(structure.layers))
+        printed: Print | None = None
+        for kind, file in files.items():
+            progress.start(f"writing {file}")
+            if kind == "gcode":
+                printed = watched.write_gcode(file, printing)
+            elif kind != "report":
+                getattr(watched, f"write_{kind}")(file)
+        progress.start("checking what holds up each layer")
+        if "report" in files:
+            summary = watched.write_report(files["report"], printing, printed)
+        else:
+            summary = watched.report(printing, printed)
+    _print_summary(structure, summary, files)
+
+
+def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
+    """What a profile says, unless an option says otherwise."""
+    known: dict[str, Any] = {}
+    if profile is not None:
+        from v3dcad.formats.profile import read_profile
+
+        known = read_profile(profile)
+    return PrintSettings(**{**known, **given(PrintSettings, settings)})
+
+
+def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
+    files: dict[str, Path] = {}
+    for kind in OUTPUTS:
+        file = named[kind]
+        if file is None and out is not None:
+            file = out / f"{part.stem}.{ENDINGS.get(kind, kind)}"
+        if file is not None:
+            files[kind] = file
+    if not files:
+        raise SettingError("out", "nothing to write: give --out DIR, or a file such as --gcode F")
+    for kind, file in files.items():
+        if file.resolve() == part.resolve():
+            raise SettingError(kind, f"{file}: would overwrite the part itself; name another place")
+    return files
+
+
+def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[str, Path]) -> None:
+    from v3dcad.report import certificate_line
+
+    width, depth, height = summary["size_mm"]
+    print_rows(
+        [
+            ("part", f"{summary['part']}, {width:.6g} × {depth:.6g} × {height:.6g} mm"),
+            ("layers", f"{summary['layers']}"),
+            ("cells", f"{summary['cells']}"),
+            ("walls", f"{summary['walls']}"),
+            ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m"),
+            ("births", f"{len(summary['births'])}"),
+            ("offset", f"{summary['settings']['offset']:.6g} mm² a layer"),
+            ("overhang", certificate_line(summary["overhang"])),
+            *_print_rows(summary.get("print")),
+            *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values()),
+            *(("note", finding) for finding in structure.findings(files)),
+            *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
+        ]
+    )
+
+
+def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
+    if printed is None:
+        return []
+    hours, minutes = divmod(round(printed["time_s"] / 60), 60)
+    return [
+        ("print time", f"{hours} h {minutes:02d} min, without heating"),
+        ("filament", f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g"),
+    ]
+
+
+def info(file: Annotated[Path, typer.Argument(help="STEP, STL, BREP or .ont file.")]) -> None:
+    """Tell what a part or an .ont file holds."""
+    from v3dcad.parts import describe
+
+    print_rows(describe(file).items())

@@ -1,0 +1,60 @@
+"""Progress on a terminal, nothing in a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from v3dcad.model import Layer
+
+
+class Progress:
+    """A bar that shows the step of the work and how far it is."""
+
+    def __enter__(self) -> Progress:
+        from rich import progress
+        from rich.console import Console
+
+        console = Console(stderr=True)
+        self.bar = progress.Progress(
+            progress.TextColumn("{task.description}"),
+            progress.BarColumn(),
+            progress.TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+        self.task = self.bar.add_task("", total=None)
+        self.bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.bar.stop()
+
+    def start(self, what: str) -> None:
+        """Begin a step of the work whose length is not known yet."""
+        self.bar.reset(self.task, total=None, description=what)
+
+    def watch(self, layers: Sequence[Layer]) -> Sequence[Layer]:
+        """The same layers; going through them moves the bar."""
+        return _Watched(layers, self)
+
+
+class _Watched(Sequence["Layer"]):
+    def __init__(self, layers: Sequence[Layer], progress: Progress) -> None:
+        self.layers = layers
+        self.progress = progress
+
+    def __len__(self) -> int:
+        return len(self.layers)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.layers[index]
+
+    def __iter__(self) -> Iterator[Layer]:
+        bar, task = self.progress.bar, self.progress.task
+        bar.update(task, total=len(self.layers), completed=0)
+        for layer in self.layers:
+            yield layer
+            bar.advance(task)

@@ -1,0 +1,166 @@
+"""G-code for FFF printers: Marlin, RepRapFirmware and Klipper.
+
+The moves are written to a temporary file first, since header and progress need the whole
+print's time, and since an error may come up at the last layer: the caller's stream gets its
+first byte when all is known to be well.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from typing import IO, TextIO
+
+import numpy as np
+
+from v3dcad.errors import SettingError
+from v3dcad.formats.gcode_blocks import Totals, ending, heading
+from v3dcad.formats.gcode_lines import rendered
+from v3dcad.formats.gcode_moves import MoveWriter, origin
+from v3dcad.geometry.motion import step_seconds
+from v3dcad.model import (
+    BRIM,
+    CELLS,
+    EXTRUDE,
+    PERIMETER,
+    SKIRT,
+    SOLID,
+    Floats,
+    Toolpath,
+)
+from v3dcad.settings import PrintSettings
+
+REMARKS = {
+    PERIMETER: b";TYPE:WALL-OUTER\n",
+    CELLS: b";TYPE:FILL\n",
+    SOLID: b";TYPE:SKIN\n",
+    BRIM: b";TYPE:SKIRT\n",
+    SKIRT: b";TYPE:SKIRT\n",
+}
+"""What is printed, in the words that viewers know from Cura."""
+BLOCK = 1024
+"""Lines between two reports of progress."""
+
+
+def check_fits(bounds: Floats, settings: PrintSettings) -> None:
+    """Raise `SettingError` unless a part of these bounds (2, 3), mm, fits the printer.
+
+    The bead's half width around the contour counts where the contour is printed on its centre.
+    """
+    margin = settings.bead_width if settings.contour == "centre" else 0.0
+    size = bounds[1, :2] - bounds[0, :2] + margin
+    for axis, needed, there in zip("xy", size, settings.bed_size(), strict=True):
+        if needed > there:
+            raise SettingError(
+                "bed",
+                f"--bed {settings.bed}: the part is {needed - there:.2f} mm too large in {axis}; "
+                "name a larger bed or scale the part",
+            )
+    if bounds[1, 2] > settings.build_height:
+        raise SettingError(
+            "build_height",
+            f"--build-height {settings.build_height:g}: the part is {bounds[1, 2]:.2f} mm high; "
+            "name a higher printer or scale the part",
+        )
+
+
+def write_gcode(
+    stream: TextIO,
+    toolpaths: Iterable[Toolpath],
+    settings: PrintSettings,
+    thumbnail: bytes | None = None,
+) -> Totals:
+    """Write toolpaths, whose origin is the bed's centre, as G-code; say what the print takes.
+
+    `toolpaths` are gone through once, one in memory at a time; `thumbnail` is a PNG. E is the
+    rounded sum of all filament so far less the rounded sum at the layer's start, so rounding
+    (1e-5 mm of filament, 1e-3 mm of way) never adds up. The same input gives the same bytes.
+    Raises `SettingError`, before a byte is written, where a move leaves the bed, a placeholder
+    is unknown or E would overflow.
+    """
+    totals = Totals()
+    with tempfile.TemporaryFile() as body:
+        progress = _write_body(body, toolpaths, settings, totals)
+        head = heading(settings, totals, thumbnail)
+        tail = ending(settings, totals)
+        stream.write(head)
+        body.seek(0)
+        shown = None
+        for size, seconds in progress:
+            left = totals.time_s - seconds
+            reached = (int(100 * seconds / max(totals.time_s, 1e-9)), int(left / 60 + 0.5))
+            if reached != shown:
+                stream.write(f"M73 P{reached[0]} R{reached[1]}\n")
+                shown = reached
+            stream.write(body.read(size).decode("ascii"))
+        stream.write(tail)
+    return totals
+
+
+def _write_body(
+    body: IO[bytes], toolpaths: Iterable[Toolpath], settings: PrintSettings, totals: Totals
+) -> list[tuple[int, float]]:
+    """The layers' lines; for each block its size in bytes and when it begins, in seconds."""
+    progress: list[tuple[int, float]] = []
+    remarks = [REMARKS.get(feature, b"") for feature in range(max(REMARKS) + 1)]
+    writer = MoveWriter(settings)
+    before: Floats | None = None
+    for toolpath in toolpaths:
+        if not len(toolpath.points):
+            continue
+        _check_bed(toolpath, settings)
+        before = toolpath.points[0] if before is None else before
+        at = totals.time_s + np.cumsum(step_seconds(toolpath, before, settings))
+        before = toolpath.points[-1]
+        lines, step = writer.lines(toolpath)
+        opening = _opening(toolpath, settings, totals.layers)
+        body.write(opening)
+        progress.append((len(opening), totals.time_s))
+        for start in range(0, len(step), BLOCK):
+            block = rendered(lines.part(start, start + BLOCK), remarks)
+            body.write(block)
+            begins = at[step[start] - 1] if step[start] else totals.time_s
+            progress.append((len(block), float(begins)))
+        _count(totals, toolpath, float(at[-1]), settings)
+    return progress
+
+
+def _opening(toolpath: Toolpath, settings: PrintSettings, number: int) -> bytes:
+    lines = [f";LAYER:{toolpath.layer[0]}"]
+    if settings.extrusion == "absolute":
+        lines.append("G92 E0")
+    if number == settings.fan_from_layer and settings.fan > 0:
+        lines.append(f"M106 S{round(settings.fan * 2.55)}")
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _check_bed(toolpath: Toolpath, settings: PrintSettings) -> None:
+    points = toolpath.points
+    for axis, size in enumerate(settings.bed_size()):
+        worst = points[np.argmax(np.abs(points[:, axis])), axis]
+        if 2 * abs(worst) > size * (1 + 1e-9):
+            raise SettingError(
+                "bed",
+                f"--bed {settings.bed}: layer {toolpath.layer[0]} goes to {'xy'[axis]} = "
+                f"{worst:.2f} mm from the bed's centre, {abs(worst) - size / 2:.2f} mm beyond its "
+                "edge; name a larger bed, a smaller skirt or brim, or scale the part",
+            )
+    highest = float(points[toolpath.kind == EXTRUDE, 2].max(initial=0))
+    if highest > settings.build_height:
+        raise SettingError(
+            "build_height",
+            f"--build-height {settings.build_height:g}: layer {toolpath.layer[0]} is at "
+            f"{highest:.2f} mm; name a higher printer or scale the part",
+        )
+
+
+def _count(totals: Totals, toolpath: Toolpath, time: float, settings: PrintSettings) -> None:
+    volume = float(toolpath.volume.sum())
+    totals.time_s = time
+    totals.filament_mm += volume / settings.filament_area()
+    totals.mass_g += volume * settings.filament_density / 1000
+    totals.layers += 1
+    extruded = toolpath.points[toolpath.kind == EXTRUDE] + origin(settings)
+    if len(extruded):
+        totals.bounds[0] = np.minimum(totals.bounds[0], extruded.min(axis=0))
+        totals.bounds[1] = np.maximum(totals.bounds[1], extruded.max(axis=0))

@@ -1,0 +1,132 @@
+"""What stands before and after the moves: header, thumbnail, start and end blocks."""
+
+from __future__ import annotations
+
+import base64
+import re
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from v3dcad.errors import SettingError
+from v3dcad.model import Floats
+from v3dcad.settings import PrintSettings, option
+
+FLAVOURS = {"marlin": "Marlin", "reprapfirmware": "RepRap", "klipper": "Klipper"}
+PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(\w+)\}")
+THUMBNAIL_LINE = 76
+"""Characters of a thumbnail in one line; readers stop at 78."""
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass(slots=True)
+class Totals:
+    """What a whole print takes."""
+
+    time_s: float = 0.0
+    filament_mm: float = 0.0
+    mass_g: float = 0.0
+    layers: int = 0
+    bounds: Floats = field(default_factory=lambda: np.array([[np.inf] * 3, [-np.inf] * 3]))
+    """(2, 3) mm, least and greatest coordinates extruded to, as the printer counts them"""
+
+
+def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) -> str:
+    """All before the first layer. Raises `SettingError` for an unknown placeholder."""
+    lines = [
+        f";FLAVOR:{FLAVOURS[settings.flavour]}",
+        f";TIME:{totals.time_s:.0f}",
+        f";Filament used: {totals.filament_mm / 1000:.5f}m",
+        f";Layer height: {settings.first_layer_height:g}",
+    ]
+    if totals.layers:
+        for name, corner in zip(("MIN", "MAX"), totals.bounds.tolist(), strict=True):
+            lines += [f";{name}{a}:{value:.3f}" for a, value in zip("XYZ", corner, strict=True)]
+    lines += [
+        ";Generated with v3dcad",
+        f"; estimated printing time (normal mode) = {spoken(totals.time_s)}",
+        f"; filament used [mm] = {totals.filament_mm:.2f}",
+        f"; filament used [g] = {totals.mass_g:.2f}",
+    ]
+    if thumbnail is not None:
+        lines += _thumbnail(thumbnail)
+    lines += [
+        filled(settings.start_gcode, "start_gcode", settings, totals).rstrip("\n"),
+        "G21",
+        "G90",
+        "M82" if settings.extrusion == "absolute" else "M83",
+        "G92 E0",
+        *_acceleration(settings),
+        "M107",
+        f";LAYER_COUNT:{totals.layers}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def ending(settings: PrintSettings, totals: Totals) -> str:
+    """All after the last layer. Raises `SettingError` for an unknown placeholder."""
+    end = filled(settings.end_gcode, "end_gcode", settings, totals).rstrip("\n")
+    return f"M73 P100 R0\n{end}\n"
+
+
+def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> str:
+    """A start or end block, its placeholders replaced by values.
+
+    `{bed_temperature}` stands for that setting, likewise `{time_s}`, `{filament_mm}`,
+    `{layers}` and `{height}`; `{{` and `}}` stand for braces. Raises `SettingError` for an
+    unknown one.
+    """
+    known = {f.name: getattr(settings, f.name) for f in fields(settings)}
+    del known["start_gcode"], known["end_gcode"]
+    known |= {"time_s": round(totals.time_s), "layers": totals.layers}
+    known["filament_mm"] = round(totals.filament_mm, 2)
+    known["height"] = round(float(totals.bounds[1, 2]), 3) if totals.layers else 0.0
+
+    def value(match: re.Match[str]) -> str:
+        word = match[1]
+        if word is None:
+            return match[0][0]
+        if word not in known:
+            raise SettingError(
+                name,
+                f"{option(name)}: nothing is known of {{{word}}}; write the name of a setting, "
+                f"{{time_s}}, {{filament_mm}}, {{layers}} or {{height}}, or {{{{{word}}}}} "
+                "for the braces themselves",
+            )
+        found = known[word]
+        return f"{found:g}" if isinstance(found, float) else str(found)
+
+    return PLACEHOLDER.sub(value, block)
+
+
+def spoken(seconds: float) -> str:
+    """A duration as slicers write it, such as 1h 2m 3s."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    days, hours = divmod(hours, 24)
+    parts = [(days, "d"), (hours, "h"), (minutes, "m"), (rest, "s")]
+    while len(parts) > 1 and parts[0][0] == 0:
+        parts = parts[1:]
+    return " ".join(f"{count}{unit}" for count, unit in parts)
+
+
+def _acceleration(settings: PrintSettings) -> list[str]:
+    if settings.flavour == "klipper":
+        return [
+            f"SET_VELOCITY_LIMIT ACCEL={settings.acceleration:g} "
+            f"SQUARE_CORNER_VELOCITY={settings.corner_speed:g}"
+        ]
+    return [f"M204 P{settings.acceleration:g} T{settings.acceleration:g}"]
+
+
+def _thumbnail(png: bytes) -> list[str]:
+    if not png.startswith(PNG) or len(png) < 24:
+        raise SettingError("thumbnail", "the thumbnail is no PNG; give a PNG's bytes")
+    width, height = (int.from_bytes(png[at : at + 4], "big") for at in (16, 20))
+    text = base64.b64encode(png).decode("ascii")
+    rows = [text[at : at + THUMBNAIL_LINE] for at in range(0, len(text), THUMBNAIL_LINE)]
+    return [
+        f"; thumbnail begin {width}x{height} {len(text)}",
+        *(f"; {row}" for row in rows),
+        "; thumbnail end",
+    ]

@@ -1,0 +1,169 @@
+"""From a toolpath's steps to the words of G-code lines, rounded so that no error adds up."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from v3dcad.errors import SettingError
+from v3dcad.formats.gcode_lines import CENTRE, COLUMNS, PLACE, E, F, Lines
+from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, UNRETRACT, Floats, Ints, Toolpath
+from v3dcad.settings import PrintSettings
+
+MOST_EXTRUSION = 10**5
+"""mm: beyond this a printer's 32-bit E no longer tells 0.01 mm."""
+WIDEST_ARC = 0.9 * math.pi
+"""Arcs are ended soon after this angle: G2 and G3 are exact and unmistakable up to half a turn."""
+
+Groups = tuple[Ints, Ints]
+Flags = NDArray[np.bool_]
+
+
+def origin(settings: PrintSettings) -> Floats:
+    """(3,) mm: where the bed's centre lies in the printer's coordinates."""
+    width, depth = settings.bed_size() if settings.bed_origin == "corner" else (0.0, 0.0)
+    return np.array([width / 2, depth / 2, 0.0])
+
+
+class MoveWriter:
+    """Turns toolpaths into lines, one layer after the other; knows what the printer was told."""
+
+    def __init__(self, settings: PrintSettings) -> None:
+        self.settings = settings
+        self._origin = origin(settings)
+        self._place: Ints | None = None
+        self._feed = -1
+        self._laid = 0.0
+        self._extruded = 0
+
+    def lines(self, toolpath: Toolpath) -> tuple[Lines, Ints]:
+        """A layer's lines, and for each the step (n,) of the toolpath that it begins with.
+
+        Steps along one arc are one line; steps too short to be told are left out, and their
+        filament goes to the next. In absolute E the caller has E start anew at each layer.
+        Raises `SettingError` where E would overflow.
+        """
+        points = toolpath.points + self._origin
+        first, last = _arc_groups(toolpath) if self.settings.arcs else _each(len(points))
+        place = np.rint(points[last] * 1000).astype(np.int64)
+        before = np.vstack([place[:1] - 1 if self._place is None else self._place, place[:-1]])
+        kind = toolpath.kind[last]
+        told = (place != before).any(axis=1) | (kind == RETRACT) | (kind == UNRETRACT)
+        # A step left out ends where the one before does, so `before` stays true.
+        first, last, place, before, kind = (
+            column[told] for column in (first, last, place, before, kind)
+        )
+        words = np.zeros((len(last), COLUMNS), dtype=np.int64)
+        said = np.zeros((len(last), COLUMNS), dtype=bool)
+        commands = np.where(kind == TRAVEL, 0, 1).astype(np.int64)
+
+        words[:, PLACE] = place
+        said[:, PLACE] = place != before
+        self._say_arcs(toolpath, last, before, commands, words, said)
+        self._say_extrusion(toolpath, last, kind, words, said)
+        self._say_feed(toolpath, last, kind, commands, words, said)
+
+        self._place = place[-1:] if len(place) else self._place
+        return Lines(commands, words, said, _remarks(toolpath, last, kind)), first
+
+    def _say_arcs(
+        self,
+        toolpath: Toolpath,
+        last: Ints,
+        before: Ints,
+        commands: Ints,
+        words: Ints,
+        said: Flags,
+    ) -> None:
+        centre = toolpath.centre[last] + self._origin[:2]
+        arc = np.isfinite(centre[:, 0]) & self.settings.arcs
+        away = centre[arc] - before[arc, :2] / 1000
+        onward = words[arc, :2] / 1000 - before[arc, :2] / 1000
+        # The centre lies on the left of an arc that turns left.
+        left = onward[:, 0] * away[:, 1] - onward[:, 1] * away[:, 0] > 0
+        commands[arc] = np.where(left, 3, 2)
+        words[arc, CENTRE] = np.rint(away * 1000)
+        said[arc, :2] = said[arc, CENTRE] = True
+
+    def _say_extrusion(
+        self, toolpath: Toolpath, last: Ints, kind: Ints, words: Ints, said: Flags
+    ) -> None:
+        area = self.settings.filament_area()
+        filament = (self._laid + np.cumsum(toolpath.volume))[last] / area
+        self._laid += float(toolpath.volume.sum())
+        reached = np.rint(filament * 10**5).astype(np.int64)
+        from_here = self._extruded
+        if self.settings.extrusion == "relative":
+            words[:, E] = np.diff(reached, prepend=from_here)
+        else:
+            words[:, E] = reached - from_here
+        self._extruded = int(reached[-1]) if len(reached) else from_here
+        pulled = round(self.settings.retraction * 10**5)
+        words[kind == RETRACT, E] -= pulled
+        if self.settings.extrusion == "relative":
+            words[kind == UNRETRACT, E] += pulled
+        said[:, E] = kind != TRAVEL
+        if np.abs(words[:, E]).max(initial=0) >= MOST_EXTRUSION * 10**5:
+            raise SettingError(
+                "extrusion",
+                f"layer {toolpath.layer[0]} takes {filament[-1] / 1000:.0f} m of filament, more "
+                "than the printer can count; set --extrusion relative, or check --bead-width, "
+                "--flow and --filament-diameter",
+            )
+
+    def _say_feed(
+        self,
+        toolpath: Toolpath,
+        last: Ints,
+        kind: Ints,
+        commands: Ints,
+        words: Ints,
+        said: Flags,
+    ) -> None:
+        feed = np.maximum(np.rint(toolpath.speed[last] * 60), 1).astype(np.int64)
+        telling = np.ones(len(feed), dtype=bool)
+        if self.settings.retraction_by == "firmware":
+            telling = (kind == TRAVEL) | (kind == EXTRUDE)
+            commands[kind == RETRACT], commands[kind == UNRETRACT] = 10, 11
+            said[~telling] = False
+        words[:, F] = feed
+        said[telling, F] = np.diff(feed[telling], prepend=self._feed) != 0
+        self._feed = int(feed[telling][-1]) if telling.any() else self._feed
+
+
+def _each(count: int) -> Groups:
+    return np.arange(count), np.arange(count)
+
+
+def _arc_groups(toolpath: Toolpath) -> Groups:
+    """First and last step of each stretch that one line can say: an arc, or a single step."""
+    points, centre = toolpath.points, toolpath.centre
+    start = np.vstack([points[:1], points[:-1]])
+    away, onward = start[:, :2] - centre, points[:, :2] - centre
+    turned = np.arctan2(
+        away[:, 0] * onward[:, 1] - away[:, 1] * onward[:, 0], (away * onward).sum(axis=1)
+    )
+    alike = np.column_stack(
+        [centre, np.sign(turned), toolpath.kind, toolpath.speed, toolpath.feature, points[:, 2]]
+    )
+    # NaN equals nothing, so straight steps stay on their own.
+    begins = np.concatenate([[True], (alike[1:] != alike[:-1]).any(axis=1)])[: len(points)]
+    total = np.cumsum(np.where(np.isnan(turned), 0, np.abs(turned)))
+    run = np.nonzero(begins)[0]
+    since = total - np.repeat(total[run] - np.abs(turned[run]), np.diff([*run, len(points)]))
+    turn = np.floor(np.where(np.isnan(since), 0, since) / WIDEST_ARC)
+    begins[1:] |= turn[1:] != turn[:-1]
+    first = np.nonzero(begins)[0]
+    return first, np.concatenate([first[1:], [len(points)]]) - 1
+
+
+def _remarks(toolpath: Toolpath, last: Ints, kind: Ints) -> Ints:
+    """(n,) the feature where a line extrudes another than the one before; else 0."""
+    extruding = np.nonzero(kind == EXTRUDE)[0]
+    feature = toolpath.feature[last][extruding].astype(np.int64)
+    changed = np.diff(feature, prepend=0) != 0
+    remarks = np.zeros(len(last), dtype=np.int64)
+    remarks[extruding[changed]] = feature[changed]
+    return remarks

@@ -1,0 +1,89 @@
+"""Machine profiles: TOML files that give print settings their values."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from v3dcad.errors import FormatError, SettingError
+from v3dcad.settings import PrintSettings
+
+MOST_BYTES = 1_000_000
+
+
+def profile_names() -> list[str]:
+    """The profiles that come with v3dcad."""
+    found = (resources.files("v3dcad") / "profiles").iterdir()
+    return sorted(entry.name.removesuffix(".toml") for entry in found)
+
+
+def read_profile(name: str) -> dict[str, Any]:
+    """The settings of a profile: one that comes with v3dcad, or a path to the user's own file.
+
+    Values are checked as a whole; `PrintSettings(**{**read_profile(name), **options})` lets
+    options given by hand win. Raises `FormatError` for a file that cannot be read, is no TOML,
+    or has a key or value that no setting takes.
+    """
+    if name in profile_names():
+        return _parsed((resources.files("v3dcad") / "profiles" / f"{name}.toml").read_bytes(), name)
+    path = Path(name)
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+    except OSError as error:
+        known = ", ".join(profile_names())
+        raise FormatError(
+            f"cannot be read ({error.strerror}); name a TOML file, or one of {known}", path=name
+        ) from error
+    return _parsed(data, name)
+
+
+def _parsed(data: bytes, path: str) -> dict[str, Any]:
+    if len(data) > MOST_BYTES:
+        raise FormatError("larger than 1 MB; name a profile", path=path)
+    try:
+        values = tomllib.loads(data.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise FormatError("no UTF-8 text; save it as UTF-8", path=path, line=line) from error
+    except tomllib.TOMLDecodeError as error:
+        raise FormatError(f"no TOML: {error}", path=path) from error
+    return {key: _checked(key, value, path) for key, value in values.items()}
+
+
+def _checked(key: str, value: Any, path: str) -> Any:
+    known = PrintSettings.__dataclass_fields__
+    if key not in known:
+        near = difflib.get_close_matches(key, known, n=1)
+        hint = f"did you mean {near[0]}?" if near else "see `v3dcad build --help` for their names"
+        raise FormatError(f"{key} is no setting; {hint}", path=path)
+    wanted = type(known[key].default)
+    if wanted is float and type(value) is int:
+        value = float(value)
+    if type(value) is not wanted:
+        words = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+        raise FormatError(f"{key} = {value!r}: give {words[wanted]}", path=path)
+    try:
+        alone: dict[str, Any] = {key: value}
+        PrintSettings(**alone).bed_size()
+    except SettingError as error:
+        raise FormatError(f"{key}: {error}", path=path) from error
+    return value
+
+
+def profile_text(values: dict[str, Any], comment: str) -> str:
+    """Settings as the TOML text of a profile, under a line of comment."""
+    lines = [f"# {comment}", ""]
+    for key, value in values.items():
+        if isinstance(value, str) and "\n" in value:
+            escaped = value.replace("\\", "\\\\").replace('"""', '""\\"')
+            lines += [f'{key} = """', f'{escaped}"""']
+        elif isinstance(value, str):
+            escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+            lines.append(f'{key} = "{escaped}"')
+        else:
+            lines.append(f"{key} = {str(value).lower() if isinstance(value, bool) else value}")
+    return "\n".join(lines) + "\n"

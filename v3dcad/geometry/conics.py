@@ -1,0 +1,59 @@
+"""Horizontal sections of planes, cylinders, cones, spheres and upright turned surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from v3dcad.geometry.surfaces import CONE, CYLINDER, PLANE, REVOLUTION, SPHERE, TORUS
+
+POINTS, LINES, CIRCLE, ELLIPSE = range(4)
+
+SLENDER = 1e-4
+"""Ellipses more slender than this (minor ÷ major squared) are left as points."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def conic_at(heap, place, height, x, y):  # type: ignore[no-untyped-def]
+    """What the plane z = height cuts from a surface, next to the point (x, y) of the section.
+
+    Returns what it is, and centre x, y, vector of the major half axis x, y, and minor ÷ major.
+    """
+    kind = int(heap[place])
+    if kind == PLANE:
+        return LINES, 0.0, 0.0, 0.0, 0.0, 0.0
+    if kind > TORUS and kind != REVOLUTION:
+        return POINTS, 0.0, 0.0, 0.0, 0.0, 0.0
+    a, b, c = heap[place + 1], heap[place + 2], heap[place + 3]
+    e, f, g = heap[place + 10], heap[place + 11], heap[place + 12]
+    lean = e * e + f * f
+    upright = lean < 1e-24
+    if kind == SPHERE:
+        rise = height - c
+        radius = np.sqrt(max(heap[place + 13] ** 2 - rise * rise, 0.0))
+        return CIRCLE, a, b, radius, 0.0, 1.0
+    if upright and kind != CYLINDER:
+        return CIRCLE, a, b, np.hypot(x - a, y - b), 0.0, 1.0
+    if kind == CYLINDER:
+        radius = heap[place + 13]
+        if upright:
+            return CIRCLE, a, b, radius, 0.0, 1.0
+        if abs(g) < 1e-12:
+            return LINES, 0.0, 0.0, 0.0, 0.0, 0.0
+        if g * g > SLENDER:
+            way = (height - c) / g
+            slant = radius / (abs(g) * np.sqrt(lean))
+            return ELLIPSE, a + way * e, b + way * f, slant * e, slant * f, abs(g)
+    elif kind == CONE:
+        sine, cosine = heap[place + 14], heap[place + 15]
+        reach = heap[place + 13] * cosine / sine  # from the apex to the frame's origin
+        a, b, rise = a - reach * e, b - reach * f, height - (c - reach * g)
+        if abs(rise) < 1e-9:
+            return POINTS, 0.0, 0.0, 0.0, 0.0, 0.0
+        open_share = cosine * cosine - lean
+        if open_share > SLENDER:
+            shift = g * rise / open_share
+            major = abs(rise * cosine * sine) / open_share / np.sqrt(lean)
+            ratio = np.sqrt(open_share) / cosine
+            return ELLIPSE, a + shift * e, b + shift * f, major * e, major * f, ratio
+    return POINTS, 0.0, 0.0, 0.0, 0.0, 0.0

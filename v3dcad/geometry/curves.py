@@ -1,0 +1,68 @@
+"""Points and tangents of the curves of a B-rep, for compiled code.
+
+A curve is a stretch of numbers in a `heap`, found by the place of its first, which says its kind:
+
+| kind | numbers after it |
+|---|---|
+| LINE | origin (3), direction (3) |
+| ELLIPSE, HYPERBOLA | centre (3), x axis (3), y axis (3), major and minor radius; circles too |
+| PARABOLA | apex (3), x axis (3), y axis (3), focal length, 0 |
+| SPLINE | degree, number of knots, 1 if periodic, knots, poles as (wx, wy, wz, w) |
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from v3dcad.geometry.splines import basis, span_of, wrapped
+
+LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
+    """Point and tangent of a curve at parameter t: x, y, z, dx, dy, dz."""
+    kind = int(heap[place])
+    if kind == SPLINE:
+        return _spline_at(heap, place, t)
+    p = heap[place + 1 : place + 12]
+    if kind == LINE:
+        return p[0] + t * p[3], p[1] + t * p[4], p[2] + t * p[5], p[3], p[4], p[5]
+    if kind == ELLIPSE:
+        a, b, da, db = p[9] * np.cos(t), p[10] * np.sin(t), -p[9] * np.sin(t), p[10] * np.cos(t)
+    elif kind == HYPERBOLA:
+        a, b, da, db = p[9] * np.cosh(t), p[10] * np.sinh(t), p[9] * np.sinh(t), p[10] * np.cosh(t)
+    else:
+        a, b, da, db = t * t / (4 * p[9]), t, t / (2 * p[9]), 1.0
+    return (
+        p[0] + a * p[3] + b * p[6],
+        p[1] + a * p[4] + b * p[7],
+        p[2] + a * p[5] + b * p[8],
+        da * p[3] + db * p[6],
+        da * p[4] + db * p[7],
+        da * p[5] + db * p[8],
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
+    degree, count = int(heap[place + 1]), int(heap[place + 2])
+    knots = place + 4
+    poles = knots + count
+    t = wrapped(t, heap[knots + degree], heap[poles - 1 - degree], heap[place + 3] > 0)
+    span = span_of(heap, knots, count, degree, t)
+    values, slopes = basis(heap, knots, span, degree, t)
+    x = y = z = w = dx = dy = dz = dw = 0.0
+    for r in range(degree + 1):
+        pole = poles + 4 * (span - degree + r)
+        x += values[r] * heap[pole]
+        y += values[r] * heap[pole + 1]
+        z += values[r] * heap[pole + 2]
+        w += values[r] * heap[pole + 3]
+        dx += slopes[r] * heap[pole]
+        dy += slopes[r] * heap[pole + 1]
+        dz += slopes[r] * heap[pole + 2]
+        dw += slopes[r] * heap[pole + 3]
+    x, y, z = x / w, y / w, z / w
+    return x, y, z, (dx - x * dw) / w, (dy - y * dw) / w, (dz - z * dw) / w

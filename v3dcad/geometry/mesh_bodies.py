@@ -1,0 +1,134 @@
+"""The bodies of a triangle mesh: connected, wound alike, and nested in each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from v3dcad.errors import GeometryError
+from v3dcad.model import Floats, Ints
+
+Flags = NDArray[np.bool_]
+
+
+class Sides(NamedTuple):
+    """The 3t sides of t triangles, sorted so that sides of one undirected edge are adjacent."""
+
+    triangle: Ints
+    """(3t,) whose side it is"""
+    ends: Ints
+    """(3t, 2) node ids in the triangle's own direction"""
+    starts: Ints
+    """(e + 1,) where each undirected edge begins"""
+
+    def uses(self) -> Ints:
+        """(e,) how many triangles share each edge."""
+        return np.diff(self.starts)
+
+
+def sides_of(triangles: Ints) -> Sides:
+    """The sides of triangles (t, 3), by undirected edge."""
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    key = ends.min(axis=1) * (int(triangles.max(initial=-1)) + 1) + ends.max(axis=1)
+    order = np.argsort(key, kind="stable")
+    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    return Sides(order // 3, ends[order], np.append(first, len(key)))
+
+
+def bodies_of(triangles: Ints) -> Ints:
+    """(t,) the body of each triangle: triangles are joined across edges that two of them share."""
+    sides = sides_of(triangles)
+    pair = sides.starts[:-1][sides.uses() == 2]
+    return _components(len(triangles), sides.triangle[pair], sides.triangle[pair + 1])[1]
+
+
+def wound_alike(triangles: Ints) -> tuple[Ints, int]:
+    """The triangles (t, 3), some turned so that neighbours wind alike, and how many were turned.
+
+    In each body the lesser part is turned. `GeometryError` for a one-sided surface.
+    """
+    sides = sides_of(triangles)
+    pair = sides.starts[:-1][sides.uses() == 2]
+    one, other = sides.triangle[pair], sides.triangle[pair + 1]
+    opposed = sides.ends[pair, 0] == sides.ends[pair + 1, 0]
+    if not opposed.any():
+        return triangles, 0
+    count, body = _components(len(triangles), one, other)
+    # Each triangle twice, as it is and turned: joined copies wind alike.
+    size = len(triangles)
+    nodes = np.concatenate([one, one + size])
+    partners = np.concatenate([other + size * opposed, other + size * ~opposed])
+    _, sheet = _components(2 * size, nodes, partners)
+    if np.any(sheet[:size] == sheet[size:]):
+        raise GeometryError("the mesh has a one-sided surface: no inside can be told")
+    first = np.zeros(count, np.int64)
+    first[body[::-1]] = np.arange(size)[::-1]
+    turned = sheet[:size] != sheet[first[body]]
+    most = np.bincount(body, turned, count) * 2 > np.bincount(body, minlength=count)
+    turned ^= most[body]
+    return np.where(turned[:, None], triangles[:, ::-1], triangles), int(turned.sum())
+
+
+def _components(size: int, one: Ints, other: Ints) -> tuple[int, Ints]:
+    graph = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(size, size))
+    count, labels = connected_components(graph, directed=False)
+    return int(count), labels.astype(np.int64)
+
+
+def signed_volumes(vertices: Floats, triangles: Ints, body: Ints) -> Floats:
+    """(b,) signed volume of each closed body, mm³; negative where normals point inwards."""
+    corners = vertices[triangles] - vertices.mean(axis=0)
+    six = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    return np.bincount(body, six) / 6
+
+
+def containers(vertices: Floats, triangles: Ints, body: Ints) -> Flags:
+    """(b, b) whether body i holds a corner of body j (then all of it, unless they overlap).
+
+    By the winding number: the solid angle under which j's corner sees i, over 4π.
+    """
+    count = int(body.max(initial=-1)) + 1
+    low, high = body_bounds(vertices, triangles, body)
+    box = np.all((low[:, None] <= low) & (high[:, None] >= high), axis=2)
+    np.fill_diagonal(box, False)
+    inside = np.zeros((count, count), np.bool_)
+    order = np.argsort(body, kind="stable")
+    starts = np.searchsorted(body[order], np.arange(count + 1))
+    for outer, inner in np.argwhere(box):
+        point = vertices[triangles[order[starts[inner]], 0]]
+        members = triangles[order[starts[outer] : starts[outer + 1]]]
+        inside[outer, inner] = abs(_solid_angle(vertices, members, point)) > 2 * np.pi
+    return inside
+
+
+def body_bounds(vertices: Floats, triangles: Ints, body: Ints) -> tuple[Floats, Floats]:
+    """(b, 3) least and (b, 3) greatest coordinates of each body, mm."""
+    count = int(body.max(initial=-1)) + 1
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    corners = vertices[triangles]
+    np.minimum.at(low, body, corners.min(axis=1))
+    np.maximum.at(high, body, corners.max(axis=1))
+    return low, high
+
+
+@njit(cache=True, nogil=True)
+def _solid_angle(vertices, triangles, point):  # type: ignore[no-untyped-def]
+    """Solid angle of triangles seen from a point (van Oosterom and Strackee 1983)."""
+    total = 0.0
+    for triangle in triangles:
+        a = vertices[triangle[0]] - point
+        b = vertices[triangle[1]] - point
+        c = vertices[triangle[2]] - point
+        la, lb, lc = np.sqrt(a @ a), np.sqrt(b @ b), np.sqrt(c @ c)
+        volume = (
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+        )
+        total += 2 * np.arctan2(volume, la * lb * lc + (a @ b) * lc + (b @ c) * la + (c @ a) * lb)
+    return total

@@ -1,0 +1,158 @@
+"""Is a triangle mesh the surface of a solid? What can be mended is mended, and said."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.mesh_bodies import (
+    bodies_of,
+    body_bounds,
+    containers,
+    sides_of,
+    signed_volumes,
+    wound_alike,
+)
+from v3dcad.geometry.mesh_holes import patch, rims_of
+from v3dcad.geometry.mesh_section import mesh_edges
+from v3dcad.model import Floats, Ints, Mesh
+
+
+def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
+    """The mesh as the closed, outward surface of a solid, and what had to be done for it.
+
+    Exactly equal vertices are welded, triangles made to wind alike, inverted bodies turned,
+    overlapping bodies united; holes are closed where `repair` says so. One finding (a sentence)
+    for each thing done. That a body cuts through itself is not looked for. `GeometryError`, with
+    counts and places, where the mesh has no triangle, a vertex that is not finite, holes (and
+    `repair` is not given), or edges of more than two triangles that no winding makes even.
+    """
+    findings: list[str] = []
+    vertices, triangles = _welded(mesh, findings)
+    _count_uses(vertices, triangles, repair)
+    triangles, turned = wound_alike(triangles)
+    if turned:
+        findings.append(f"turned {turned} triangles that wound against their neighbours")
+    rims = rims_of(triangles)
+    if rims:
+        patches = np.vstack([patch(vertices, rim) for rim in rims])
+        triangles = np.vstack([triangles, patches])
+        findings.append(
+            f"closed {len(rims)} holes with {_area(vertices, patches):.4g} mm² of triangles"
+        )
+    triangles = _turned_outward(vertices, triangles, findings)
+    closed = Mesh(vertices, triangles)
+    mesh_edges(triangles)  # refuses what is still uneven
+    return _united(closed, findings), findings
+
+
+def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
+    """Vertices and triangles without equal vertices, collapsed and repeated triangles."""
+    if not len(mesh.triangles):
+        raise GeometryError("the mesh has no triangle")
+    lost = ~np.isfinite(mesh.vertices).all(axis=1)
+    if lost.any():
+        raise GeometryError(
+            f"{int(lost.sum())} vertices of the mesh are not finite numbers "
+            f"(the first is vertex {int(np.argmax(lost))})"
+        )
+    if mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices):
+        raise GeometryError(f"a triangle names a vertex beyond the {len(mesh.vertices)} there are")
+    vertices, number = np.unique(mesh.vertices[mesh.triangles.ravel()], axis=0, return_inverse=True)
+    triangles = number.reshape(-1, 3).astype(np.int64)
+    triangles = triangles[np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)]
+    if len(triangles) < len(mesh.triangles):
+        count = len(mesh.triangles) - len(triangles)
+        findings.append(f"dropped {count} triangles without area")
+    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    if len(first) < len(triangles):
+        findings.append(f"dropped {len(triangles) - len(first)} repeated triangles")
+        triangles = triangles[np.sort(first)]
+    return vertices, triangles
+
+
+def _count_uses(vertices: Floats, triangles: Ints, repair: bool) -> None:
+    """Refuse holes, unless they are to be repaired, and edges shared by an odd number."""
+    sides = sides_of(triangles)
+    uses = sides.uses()
+    boundary, odd = uses == 1, (uses > 2) & (uses % 2 == 1)
+    counts = f"{int(boundary.sum())} boundary edges and {int((uses > 2).sum())} non-manifold edges"
+    if odd.any():
+        raise GeometryError(
+            f"the mesh has {counts}, {_where(vertices, sides.ends[sides.starts[:-1][odd]])}: "
+            "make it a closed surface first"
+        )
+    if boundary.any() and not repair:
+        raise GeometryError(
+            f"the mesh is open: {counts}, "
+            f"{_where(vertices, sides.ends[sides.starts[:-1][boundary]])}: "
+            "close it, or let --repair patch the holes"
+        )
+
+
+def _where(vertices: Floats, edges: Ints) -> str:
+    """Where the first edges are, in words."""
+    middles = vertices[edges].mean(axis=1)
+    shown = ", ".join(f"({x:.4g}, {y:.4g}, {z:.4g})" for x, y, z in middles[:3])
+    return f"the first at {shown}"
+
+
+def _area(vertices: Floats, triangles: Ints) -> float:
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def _turned_outward(vertices: Floats, triangles: Ints, findings: list[str]) -> Ints:
+    """Bodies that lie in no other made to face outward, together with what lies in them."""
+    body = bodies_of(triangles)
+    inverted = signed_volumes(vertices, triangles, body) < 0
+    if not inverted.any():
+        return triangles
+    within = containers(vertices, triangles, body)
+    outermost = ~within.any(axis=0)
+    wrong = inverted & outermost
+    wrong |= within[wrong].any(axis=0)
+    if wrong.any():
+        findings.append(f"turned {int(wrong.sum())} inverted bodies inside out")
+    return np.where(wrong[body][:, None], triangles[:, ::-1], triangles)
+
+
+def _united(mesh: Mesh, findings: list[str]) -> Mesh:
+    """The mesh with overlapping bodies united by manifold3d; itself where none overlap."""
+    vertices, triangles = mesh.vertices, mesh.triangles
+    body = bodies_of(triangles)
+    volumes = signed_volumes(vertices, triangles, body)
+    solid = np.flatnonzero(volumes > 0)
+    low, high = body_bounds(vertices, triangles, body)
+    low, high = low[solid], high[solid]
+    close = np.all((low[:, None] < high) & (high[:, None] > low), axis=2)
+    if np.count_nonzero(close) == len(solid):
+        return mesh
+    # A cavity belongs to the smallest solid that holds it.
+    from manifold3d import Manifold, Mesh64, OpType
+
+    within = containers(vertices, triangles, body)
+    owner = np.arange(len(volumes))
+    for cavity in np.flatnonzero(volumes <= 0):
+        holders = solid[within[solid, cavity]]
+        if len(holders):
+            owner[cavity] = holders[np.argmin(volumes[holders])]
+    pieces = []
+    for number in solid:
+        nodes, member = np.unique(triangles[owner[body] == number], return_inverse=True)
+        piece = Manifold(Mesh64(vertices[nodes], member.reshape(-1, 3).astype(np.uint64)))
+        if piece.is_empty():
+            return mesh
+        pieces.append(piece)
+    union = Manifold.batch_boolean(pieces, OpType.Add)
+    apart = sum(piece.volume() for piece in pieces)
+    if abs(union.volume() - apart) <= 1e-9 * apart:
+        return mesh
+    findings.append(
+        f"united {len(solid)} overlapping bodies, which shared {apart - union.volume():.4g} mm³"
+    )
+    result = union.to_mesh64()
+    return Mesh(
+        np.array(result.vert_properties[:, :3], np.float64),
+        np.array(result.tri_verts, np.int64),
+    )

@@ -1,0 +1,91 @@
+"""Closing the holes of a triangle mesh with patches of least area.
+
+Barequet and Sharir, "Filling gaps in the boundary of a polyhedron" (1995): of all triangulations
+of a hole's rim the one of least area, by dynamic programming. (pymeshfix would do it too, but its
+licence, AGPL, is not one that v3dcad can ask of its users; trimesh fills with fans, which fold
+where the rim is not convex.)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.mesh_bodies import sides_of
+from v3dcad.model import Floats, Ints
+
+LONGEST_RIM = 1000
+"""Edges: the patch of a rim takes time with the cube of its length, here about a second."""
+
+
+def rims_of(triangles: Ints) -> list[Ints]:
+    """Node ids of each hole's rim, in the direction in which a patch has to pass it.
+
+    A hole is bounded by edges that one triangle has; triangles must wind alike.
+    """
+    sides = sides_of(triangles)
+    lone = sides.starts[:-1][sides.uses() == 1]
+    head, tail = sides.ends[lone].T
+    onward: dict[int, list[int]] = {}
+    for start, stop in zip(tail.tolist(), head.tolist(), strict=True):
+        onward.setdefault(start, []).append(stop)
+    rims = []
+    for start in tail.tolist():
+        rim, node = [], start
+        while onward.get(node):
+            rim.append(node)
+            node = onward[node].pop()
+        if rim:
+            rims.append(np.array(rim, np.int64))
+    return rims
+
+
+def patch(vertices: Floats, rim: Ints) -> Ints:
+    """Triangles (k − 2, 3) of least area that close a rim (k,) of node ids.
+
+    `GeometryError` where the rim has more than `LONGEST_RIM` edges.
+    """
+    if len(rim) > LONGEST_RIM:
+        x, y, z = vertices[rim].mean(axis=0)
+        raise GeometryError(
+            f"a hole of {len(rim)} edges about ({x:.4g}, {y:.4g}, {z:.4g}) is too long to patch "
+            f"(at most {LONGEST_RIM}): close it where the mesh was made"
+        )
+    return rim[_least_area(vertices[rim])]
+
+
+@njit(cache=True, nogil=True)
+def _least_area(points):  # type: ignore[no-untyped-def]
+    count = len(points)
+    area = np.zeros((count, count))
+    apex = np.zeros((count, count), np.int64)
+    for span in range(2, count):
+        for first in range(count - span):
+            last = first + span
+            best = np.inf
+            chord = points[last] - points[first]
+            for middle in range(first + 1, last):
+                arm = points[middle] - points[first]
+                x = chord[1] * arm[2] - chord[2] * arm[1]
+                y = chord[2] * arm[0] - chord[0] * arm[2]
+                z = chord[0] * arm[1] - chord[1] * arm[0]
+                cost = np.sqrt(x * x + y * y + z * z) / 2
+                cost += area[first, middle] + area[middle, last]
+                if cost < best:
+                    best = cost
+                    apex[first, last] = middle
+            area[first, last] = best
+    triangles = np.empty((max(count - 2, 0), 3), np.int64)
+    written = 0
+    waiting = [(0, count - 1)]
+    while waiting:
+        first, last = waiting.pop()
+        if last - first < 2:
+            continue
+        middle = apex[first, last]
+        triangles[written] = (first, middle, last)
+        written += 1
+        waiting.append((first, middle))
+        waiting.append((middle, last))
+    return triangles

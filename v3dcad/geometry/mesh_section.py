@@ -1,0 +1,292 @@
+"""Horizontal sections of a closed triangle mesh, all planes in one pass.
+
+A triangle is crossed by a plane from the edge where it descends to the edge where it rises, so
+that the material lies on the left. Crossings are linked by the id of the mesh edge they lie on:
+in a closed mesh every edge carries as many beginnings as ends, and every ring closes without
+any tolerance.
+
+One rule decides about nodes that lie in a plane: they are above it. A section is thus the limit
+from below. At the mesh's lowest height, where nothing is below, they are beneath it: the limit
+from above. Nodes closer than `SNAP` to a plane lie in it. An edge in the plane that is a crest
+would be passed to and fro: both ways are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from v3dcad.errors import GeometryError
+from v3dcad.model import Floats, Ints, Mesh, Section
+
+SNAP = 1e-9
+"""mm: a node this close to a plane lies in it; a ring this thin has no area."""
+
+BASE = 1e-6
+"""mm: a plane this close to a part's lowest height is at its base, whose height the placing of
+the part knows no better."""
+
+BATCH = 4_000_000
+"""Crossings held at a time: bounds the memory of a tall part with many planes."""
+
+
+class MeshEdges(NamedTuple):
+    """The edges of a closed mesh. Where 2m triangles share an edge it counts as m edges."""
+
+    nodes: Ints
+    """(e, 2) node ids, the lesser first"""
+    of_triangles: Ints
+    """(t, 3) the edge from a triangle's corner j to its corner j + 1"""
+
+
+class Crossings(NamedTuple):
+    """Where planes cross a mesh: rings of points, each on one mesh edge, end to end."""
+
+    points: Floats
+    """(p, 2) mm"""
+    edges: Ints
+    """(p,) the mesh edge on which the point lies"""
+    triangles: Ints
+    """(p,) the triangle that is crossed from this point to the next"""
+    starts: Ints
+    """(r + 1,) where each ring begins"""
+    planes: Ints
+    """(r,) the plane of each ring, ascending"""
+
+
+def section_mesh(mesh: Mesh, heights: Floats) -> list[Section]:
+    """Sections of a closed mesh at ascending heights (k,), mm.
+
+    Each is the limit from below, at the mesh's lowest height from above. Duplicate points,
+    crests passed to and fro and rings without area are dropped. `GeometryError` where the mesh
+    is open or heights do not ascend.
+    """
+    sections = []
+    edges = mesh_edges(mesh.triangles)
+    first = 0
+    for count, crossings in cross_planes(mesh, edges, at_base(heights, mesh.vertices)):
+        kept, starts = tidy(crossings.points, crossings.starts)
+        points = crossings.points[kept]
+        rings: list[list[Floats]] = [[] for _ in range(count)]
+        for start, stop, plane in zip(starts[:-1], starts[1:], crossings.planes, strict=True):
+            if stop > start:
+                rings[plane].append(points[start:stop])
+        sections += [
+            Section(z=float(z), rings=tuple(loops))
+            for z, loops in zip(heights[first : first + count], rings, strict=True)
+        ]
+        first += count
+    return sections
+
+
+def mesh_edges(triangles: Ints) -> MeshEdges:
+    """The edges of triangles (t, 3), each shared by one triangle either way.
+
+    `GeometryError` where a triangle's side is not passed as often one way as the other.
+    """
+    tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    low, high = np.minimum(tail, head), np.maximum(tail, head)
+    nodes = int(triangles.max(initial=-1)) + 1
+    forward, backward, unpaired = pair_sides(low * nodes + high, tail > head)
+    if unpaired:
+        raise GeometryError(
+            "the mesh is open, or its triangles do not wind alike: repair it before slicing"
+        )
+    of_sides = np.empty(len(tail), np.int64)
+    of_sides[forward] = of_sides[backward] = np.arange(len(forward))
+    return MeshEdges(np.column_stack([low[forward], high[forward]]), of_sides.reshape(-1, 3))
+
+
+def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]:
+    """Pair sides (s,) of equal key that are passed one way with those passed the other way.
+
+    Returns the indices (e,) of the sides passed forward, those of their partners, and how many
+    sides have none.
+    """
+    order = np.argsort(key * 2 + backward, kind="stable")
+    sorted_key, against = key[order], backward[order]
+    there, back = order[~against], order[against]
+    if len(there) == len(back) and np.array_equal(sorted_key[~against], sorted_key[against]):
+        return there, back, 0
+    names = np.unique(key)
+    balance = np.bincount(np.searchsorted(names, key), np.where(backward, -1.0, 1.0))
+    return there[:0], back[:0], int(np.abs(balance).sum())
+
+
+def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tuple[int, Crossings]]:
+    """The crossings of a closed mesh with ascending heights (k,), mm, some planes at a time.
+
+    Yields how many planes the batch has, and its crossings, whose `planes` count from the
+    batch's first. Edges are those of `mesh_edges`. `GeometryError` where heights do not ascend.
+    """
+    check_heights(heights)
+    z = mesh.vertices[:, 2]
+    levels = plane_levels(heights, float(z.min(initial=np.inf)))
+    of_corners = z[mesh.triangles]
+    begin = np.searchsorted(levels, of_corners.min(axis=1, initial=np.inf), side="right")
+    end = np.searchsorted(levels, of_corners.max(axis=1, initial=-np.inf), side="right")
+    planes = len(heights)
+    total = np.cumsum(
+        np.bincount(begin, minlength=planes + 1) - np.bincount(end, minlength=planes + 1)
+    )
+    before = np.concatenate([[0], np.cumsum(total[:-1])])
+    first = 0
+    while first < planes:
+        stop = max(first + 1, int(np.searchsorted(before, before[first] + BATCH, side="right")) - 1)
+        yield (
+            stop - first,
+            Crossings(
+                *_cross(
+                    mesh.vertices,
+                    mesh.triangles,
+                    edges.nodes,
+                    edges.of_triangles,
+                    heights[first:stop],
+                    levels[first:stop],
+                    np.clip(begin, first, stop) - first,
+                    np.clip(end, first, stop) - first,
+                    before[first : stop + 1] - before[first],
+                )
+            ),
+        )
+        first = stop
+
+
+def at_base(heights: Floats, nodes: Floats) -> Floats:
+    """The heights (k,), those within `BASE` of the lowest node (n, 3) put exactly there."""
+    lowest = nodes[:, 2].min(initial=np.inf)
+    return np.where(np.abs(heights - lowest) < BASE, lowest, heights)
+
+
+def check_heights(heights: Floats) -> None:
+    """Raise `GeometryError` unless heights (k,) are finite and ascend."""
+    if np.any(~np.isfinite(heights)) or np.any(np.diff(heights) < 0):
+        raise GeometryError("section heights: give finite heights in ascending order")
+
+
+def plane_levels(heights: Floats, lowest: float) -> Floats:
+    """(k,) least z of the nodes that are above each plane: the module's one rule."""
+    base = np.abs(heights - lowest) < SNAP
+    return np.maximum.accumulate(np.where(base, heights + SNAP, heights - SNAP))
+
+
+@njit(cache=True, nogil=True)
+def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end, before):  # type: ignore[no-untyped-def]
+    """Cross every triangle with its planes, then link the crossings of each plane into rings."""
+    total = before[-1]
+    descent = np.empty(total, np.int64)
+    rise = np.empty(total, np.int64)
+    crossed = np.empty(total, np.int64)
+    level = np.full(total, -1)
+    place = before[:-1].copy()
+    for triangle in range(len(triangles)):
+        for plane in range(begin[triangle], end[triangle]):
+            slot = place[plane]
+            place[plane] += 1
+            crossed[slot] = triangle
+            for side in range(3):
+                tail_z = vertices[triangles[triangle, side], 2]
+                head_z = vertices[triangles[triangle, (side + 1) % 3], 2]
+                tail_above, head_above = tail_z >= levels[plane], head_z >= levels[plane]
+                if tail_above and not head_above:
+                    descent[slot] = edge_of[triangle, side]
+                elif head_above and not tail_above:
+                    rise[slot] = edge_of[triangle, side]
+                elif max(abs(tail_z - heights[plane]), abs(head_z - heights[plane])) < SNAP:
+                    level[slot] = edge_of[triangle, side]
+
+    follower = np.empty(len(edge_nodes), np.int64)
+    lies_on = np.full(len(edge_nodes), -1)
+    opposite = np.full(total, -1)
+    points = np.empty((total, 2))
+    edges = np.empty(total, np.int64)
+    walked = np.empty(total, np.int64)
+    done = np.zeros(total, np.bool_)
+    starts = [0]
+    planes = [0]
+    written = 0
+    for plane in range(len(heights)):
+        for slot in range(before[plane], before[plane + 1]):
+            follower[descent[slot]] = slot
+            if level[slot] >= 0:
+                other = lies_on[level[slot]]
+                if other >= before[plane]:
+                    opposite[slot], opposite[other] = other, slot
+                lies_on[level[slot]] = slot
+        for first in range(before[plane], before[plane + 1]):
+            slot = first
+            while opposite[slot] < 0 and not done[slot]:
+                done[slot] = True
+                edges[written] = descent[slot]
+                walked[written] = crossed[slot]
+                low, high = edge_nodes[descent[slot]]
+                rise_z = vertices[high, 2] - vertices[low, 2]
+                if abs(vertices[low, 2] - heights[plane]) < SNAP:
+                    share = 0.0
+                elif abs(vertices[high, 2] - heights[plane]) < SNAP:
+                    share = 1.0
+                else:
+                    share = (heights[plane] - vertices[low, 2]) / rise_z
+                for axis in range(2):
+                    points[written, axis] = (1.0 - share) * vertices[low, axis] + share * vertices[
+                        high, axis
+                    ]
+                written += 1
+                slot = follower[rise[slot]]
+                while opposite[slot] >= 0:
+                    slot = follower[rise[opposite[slot]]]
+            if written > starts[-1]:
+                starts.append(written)
+                planes.append(plane)
+    return (
+        points[:written],
+        edges[:written],
+        walked[:written],
+        np.array(starts),
+        np.array(planes[1:], np.int64),
+    )
+
+
+@njit(cache=True, nogil=True)
+def tidy(points, starts):  # type: ignore[no-untyped-def]
+    """Drop duplicate points, and rings thinner than `SNAP`.
+
+    Of points (p, 2) in rings that begin at starts (r + 1,) returns the indices of those to keep
+    and where each ring begins among them; a dropped ring has no points.
+    """
+    kept = np.empty(len(points), np.int64)
+    new_starts = np.zeros(len(starts), np.int64)
+    top = 0
+    for ring in range(len(starts) - 1):
+        bottom = top
+        for index in range(starts[ring], starts[ring + 1]):
+            if top == bottom or _differ(points, kept[top - 1], index):
+                kept[top] = index
+                top += 1
+        while top > bottom + 1 and not _differ(points, kept[top - 1], kept[bottom]):
+            top -= 1
+        if is_thin(points[kept[bottom:top]]):
+            top = bottom
+        new_starts[ring + 1] = top
+    return kept[:top], new_starts
+
+
+@njit(cache=True, nogil=True)
+def _differ(points, one, other):  # type: ignore[no-untyped-def]
+    return points[one, 0] != points[other, 0] or points[one, 1] != points[other, 1]
+
+
+@njit(cache=True, nogil=True)
+def is_thin(ring):  # type: ignore[no-untyped-def]
+    """Whether the area of a ring (k, 2) is that of a line as wide as `SNAP`, or less."""
+    area, length = 0.0, 0.0
+    for place in range(1, len(ring)):
+        x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
+        back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
+        area += back_x * y - back_y * x
+        length += np.hypot(x - back_x, y - back_y)
+    return abs(area) <= SNAP * length

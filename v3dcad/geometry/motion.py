@@ -1,0 +1,103 @@
+"""How long a printer takes: trapezoidal speeds, corners taken by junction deviation.
+
+A move speeds up, runs and slows down at one acceleration. How fast it may pass into the next
+follows from their angle (Jeon 2011, as in Grbl, Marlin and Klipper); looking back and ahead
+over the moves then gives the speed at every junction.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from v3dcad.geometry.arcs import lengths
+from v3dcad.model import RETRACT, UNRETRACT, Floats, Toolpath
+from v3dcad.settings import PrintSettings
+
+
+def step_seconds(toolpath: Toolpath, before: Floats, settings: PrintSettings) -> Floats:
+    """(p,) seconds of each step of a toolpath that begins, at rest, at `before` (3,), mm."""
+    start = np.vstack([before, toolpath.points[:-1]])[: len(toolpath.points)]
+    length = lengths(start, toolpath.points, toolpath.centre)
+    pulled = np.isin(toolpath.kind, (RETRACT, UNRETRACT))
+    return move_seconds(
+        toolpath.points - start,
+        length,
+        np.where(pulled, settings.retraction, 0.0),
+        toolpath.speed,
+        settings,
+    )
+
+
+def move_seconds(
+    steps: Floats, length: Floats, still: Floats, speed: Floats, settings: PrintSettings
+) -> Floats:
+    """(n,) seconds of moves that begin and end at rest.
+
+    `steps` (n, 3) are their directions, `length` (n,) their ways in mm, `still` (n,) the mm of
+    filament moved where the nozzle stands, `speed` (n,) the mm/s asked for.
+    """
+    seconds = np.empty(len(steps))
+    _plan(
+        np.array(steps, dtype=np.float64),
+        np.array(length, dtype=np.float64),
+        np.array(still, dtype=np.float64),
+        np.array(speed, dtype=np.float64),
+        float(settings.acceleration),
+        settings.corner_speed**2 * (math.sqrt(2) - 1),
+        seconds,
+    )
+    return seconds
+
+
+@numba.njit(
+    "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], float64, float64, "
+    "float64[::1])",
+    cache=True,
+    nogil=True,
+)
+def _plan(
+    steps: Floats,
+    length: Floats,
+    still: Floats,
+    speed: Floats,
+    acceleration: float,
+    corner: float,
+    seconds: Floats,
+) -> None:
+    count = len(length)
+    # entry[k] is the square of the speed at which move k begins; the last one ends at rest.
+    entry = np.zeros(count + 1)
+    for k in range(1, count):
+        if length[k] > 0 and length[k - 1] > 0:
+            across, square, squared = 0.0, 0.0, 0.0
+            for axis in range(3):
+                across += steps[k - 1, axis] * steps[k, axis]
+                square += steps[k - 1, axis] ** 2
+                squared += steps[k, axis] ** 2
+            if square > 0 and squared > 0:
+                cosine = across / math.sqrt(square * squared)
+                # Half of the angle between the way back and the way on: 1 is straight on.
+                half = math.sqrt(max(0.0, min(1.0, (1 + cosine) / 2)))
+                limit = min(speed[k - 1], speed[k]) ** 2
+                if corner * half < limit * (1 - half):
+                    limit = corner * half / (1 - half)
+                entry[k] = limit
+    for k in range(count - 1, -1, -1):
+        entry[k] = min(entry[k], entry[k + 1] + 2 * acceleration * length[k])
+    for k in range(count):
+        entry[k + 1] = min(entry[k + 1], entry[k] + 2 * acceleration * length[k])
+        way = length[k] if length[k] > 0 else still[k]
+        # The square of the highest speed that way, start and end allow.
+        peak = min(speed[k] ** 2, acceleration * way + (entry[k] + entry[k + 1]) / 2)
+        top = math.sqrt(peak)
+        if top == 0:
+            seconds[k] = 0.0
+            continue
+        ramps = (2 * peak - entry[k] - entry[k + 1]) / (2 * acceleration)
+        seconds[k] = (
+            (2 * top - math.sqrt(entry[k]) - math.sqrt(entry[k + 1])) / acceleration
+            + max(0.0, way - ramps) / top
+        )  # fmt: skip

@@ -1,0 +1,138 @@
+"""A mesh that knows the true surface: its sections have exactly the true section's topology.
+
+Every mesh edge is a stretch of a B-rep edge or a straight stretch in a face's parameters, so
+that between its nodes it is a curve on the true surface. Refined until
+
+* every point of a face where its height is critical (crest, pit, saddle) is a node, and
+* the height along every mesh edge is monotone,
+
+the boundary of each (curved) triangle rises on one side and falls on the other, and no level
+line closes inside it: every plane meets it in one stretch, from the edge where it descends to
+the edge where it rises, or not at all (Morse theory, piece by piece). The mesh may be coarse,
+and nothing is missed however thin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from v3dcad.geometry.curves import LINE, curve_at
+from v3dcad.geometry.surfaces import PLANE, surface_at
+from v3dcad.model import Floats, Ints, Value
+
+NEGLIGIBLE = 1e-10
+"""mm: a turn of an edge that rises less than this above its ends is not one."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SurfaceMesh(Value):
+    """Triangles on true surfaces. Only numbers: it travels between processes as it is."""
+
+    heap: Floats
+    """the geometry of all curves and surfaces, see `curves` and `surfaces`"""
+    surfaces: Ints
+    """(f,) place of each face's surface in the heap"""
+    nodes: Floats
+    """(n, 3) mm"""
+    triangles: Ints
+    """(t, 3) node ids; two are equal at a pole"""
+    corners: Floats
+    """(t, 3, 2) parameters of each triangle's corners on its face's surface"""
+    faces: Ints
+    """(t,)"""
+    sides: Ints
+    """(t, 3) the mesh edge from corner j to corner j + 1; −1 for a side shrunk to a pole"""
+    edge_nodes: Ints
+    """(e, 2)"""
+    edge_faces: Ints
+    """(e,) a face on which the edge lies"""
+    edge_curves: Ints
+    """(e,) place of its curve in the heap, if it lies on an edge of the B-rep, else −1"""
+    edge_spans: Floats
+    """(e, 4) the curve's parameters at both nodes, or u, v at the first and u, v at the second"""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def depth(corners, u, v):  # type: ignore[no-untyped-def]
+    """The least barycentric coordinate of (u, v) in a triangle (3, 2); −inf if it is flat."""
+    a, b, c = corners[0], corners[1], corners[2]
+    area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    if area == 0:
+        return -np.inf
+    beside_b = ((u - a[0]) * (c[1] - a[1]) - (v - a[1]) * (c[0] - a[0])) / area
+    beside_c = ((b[0] - a[0]) * (v - a[1]) - (b[1] - a[1]) * (u - a[0])) / area
+    return min(beside_b, beside_c, 1 - beside_b - beside_c)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-def]
+    """Point at a share of the way along a mesh edge, and its z slope: x, y, z, dz/dshare."""
+    if curve >= 0:
+        step = span[1] - span[0]
+        point = curve_at(heap, curve, span[0] + share * step)
+        return point[0], point[1], point[2], point[5] * step
+    u_step, v_step = span[2] - span[0], span[3] - span[1]
+    s = surface_at(heap, surface, span[0] + share * u_step, span[1] + share * v_step)
+    return s[0, 0], s[0, 1], s[0, 2], s[1, 2] * u_step + s[2, 2] * v_step
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turning_points(heap, surfaces, faces, curves, spans):  # type: ignore[no-untyped-def]
+    """(e, 2) `turning_point` of every edge."""
+    turns = np.empty((len(faces), 2))
+    for edge in range(len(faces)):
+        turns[edge] = turning_point(heap, surfaces[faces[edge]], curves[edge], spans[edge])
+    return turns
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
+    """Share of the way at which an edge's height turns the most, and by how much above or below
+    its nearer end (mm); 0 and 0 if it is monotone.
+    """
+    straight = heap[curve] == LINE if curve >= 0 else heap[surface] == PLANE
+    if straight:
+        return 0.0, 0.0
+    pieces = 8
+    start = along_edge(heap, surface, curve, span, 0.0)
+    stop = along_edge(heap, surface, curve, span, 1.0)
+    best, found = 0.0, 0.0
+    before = start[3]
+    for piece in range(pieces):
+        slope = along_edge(heap, surface, curve, span, (piece + 1) / pieces)[3]
+        if before * slope < 0:
+            low, high = piece / pieces, (piece + 1) / pieces
+            for _ in range(48):
+                middle = (low + high) / 2
+                if along_edge(heap, surface, curve, span, middle)[3] * slope < 0:
+                    low = middle
+                else:
+                    high = middle
+            z = along_edge(heap, surface, curve, span, low)[2]
+            rise = min(abs(z - start[2]), abs(z - stop[2]))
+            if rise > max(best, NEGLIGIBLE):
+                best, found = rise, low
+        before = slope
+    return found, best
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def project(heap, surface, point, u, v):  # type: ignore[no-untyped-def]
+    """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
+    for _ in range(20):
+        s = surface_at(heap, surface, u, v)
+        gap = point - s[0]
+        uu, uv, vv = s[1] @ s[1], s[1] @ s[2], s[2] @ s[2]
+        determinant = uu * vv - uv * uv
+        if determinant <= 1e-14 * uu * vv:
+            break
+        a, b = s[1] @ gap, s[2] @ gap
+        u_step = (vv * a - uv * b) / determinant
+        v_step = (uu * b - uv * a) / determinant
+        u, v = u + u_step, v + v_step
+        if uu * u_step * u_step + vv * v_step * v_step < 1e-26:
+            break
+    return u, v

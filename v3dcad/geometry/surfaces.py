@@ -1,0 +1,163 @@
+"""Points and tangents of the surfaces of a B-rep, for compiled code.
+
+A surface is a stretch of numbers in a `heap`, found by the place of its first, which says its
+kind. `frame` is origin, x, y and z axis, 12 numbers:
+
+| kind | numbers after it |
+|---|---|
+| PLANE | frame |
+| CYLINDER | frame, radius |
+| CONE | frame, radius at v = 0, sine and cosine of the half angle |
+| SPHERE | frame, radius |
+| TORUS | frame, major radius, minor radius |
+| SPLINE_SURFACE | two times (degree, number of knots, 1 if periodic), u knots, v knots, poles |
+| EXTRUSION | direction (3), then the place of the curve |
+| REVOLUTION | frame with the axis as z, then the place of the curve |
+| OFFSET | distance, then the place of the surface |
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from v3dcad.geometry.curves import curve_at
+from v3dcad.geometry.splines import basis, span_of, wrapped
+
+(
+    PLANE,
+    CYLINDER,
+    CONE,
+    SPHERE,
+    TORUS,
+    SPLINE_SURFACE,
+    EXTRUSION,
+    REVOLUTION,
+    OFFSET,
+) = range(9)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    """Point and tangents of a surface at (u, v), as an array (3, 3): S, ∂S/∂u, ∂S/∂v."""
+    if int(heap[place]) == OFFSET:
+        return _offset_at(heap, place, u, v)
+    return _plain_at(heap, place, u, v)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    kind = int(heap[place])
+    if kind == SPLINE_SURFACE:
+        return _spline_surface_at(heap, place, u, v)
+    result = np.empty((3, 3))
+    if kind == EXTRUSION:
+        curve = curve_at(heap, int(heap[place + 4]), u)
+        for axis in range(3):
+            result[0, axis] = curve[axis] + v * heap[place + 1 + axis]
+            result[1, axis] = curve[3 + axis]
+            result[2, axis] = heap[place + 1 + axis]
+        return result
+    origin, x_axis = heap[place + 1 : place + 4], heap[place + 4 : place + 7]
+    y_axis, z_axis = heap[place + 7 : place + 10], heap[place + 10 : place + 13]
+    if kind == PLANE:
+        for axis in range(3):
+            result[0, axis] = origin[axis] + u * x_axis[axis] + v * y_axis[axis]
+            result[1, axis] = x_axis[axis]
+            result[2, axis] = y_axis[axis]
+        return result
+    cosine, sine = np.cos(u), np.sin(u)
+    if kind == REVOLUTION:
+        curve = curve_at(heap, int(heap[place + 13]), v)
+        x = y = z = dx = dy = dz = 0.0
+        for axis in range(3):
+            arm, slope = curve[axis] - origin[axis], curve[3 + axis]
+            x += arm * x_axis[axis]
+            y += arm * y_axis[axis]
+            z += arm * z_axis[axis]
+            dx += slope * x_axis[axis]
+            dy += slope * y_axis[axis]
+            dz += slope * z_axis[axis]
+        a, b = cosine * x - sine * y, sine * x + cosine * y
+        da, db = cosine * dx - sine * dy, sine * dx + cosine * dy
+        for axis in range(3):
+            result[0, axis] = origin[axis] + a * x_axis[axis] + b * y_axis[axis] + z * z_axis[axis]
+            result[1, axis] = a * y_axis[axis] - b * x_axis[axis]
+            result[2, axis] = da * x_axis[axis] + db * y_axis[axis] + dz * z_axis[axis]
+        return result
+    # The rest turn a line or circle (reach, rise) about z.
+    radius = heap[place + 13]
+    if kind == CYLINDER:
+        reach, rise, d_reach, d_rise = radius, v, 0.0, 1.0
+    elif kind == CONE:
+        d_reach, d_rise = heap[place + 14], heap[place + 15]
+        reach, rise = radius + v * d_reach, v * d_rise
+    elif kind == SPHERE:
+        reach, rise = radius * np.cos(v), radius * np.sin(v)
+        d_reach, d_rise = -rise, reach
+    else:
+        small = heap[place + 14]
+        d_rise, rise = small * np.cos(v), small * np.sin(v)
+        reach, d_reach = radius + d_rise, -rise
+    for axis in range(3):
+        outward = cosine * x_axis[axis] + sine * y_axis[axis]
+        along = cosine * y_axis[axis] - sine * x_axis[axis]
+        result[0, axis] = origin[axis] + reach * outward + rise * z_axis[axis]
+        result[1, axis] = reach * along
+        result[2, axis] = d_reach * outward + d_rise * z_axis[axis]
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
+    v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
+    u_knots = place + 7
+    v_knots = u_knots + u_count
+    poles = v_knots + v_count
+    columns = v_count - v_degree - 1
+    u = wrapped(u, heap[u_knots + u_degree], heap[v_knots - 1 - u_degree], heap[place + 3] > 0)
+    v = wrapped(v, heap[v_knots + v_degree], heap[poles - 1 - v_degree], heap[place + 6] > 0)
+    u_span = span_of(heap, u_knots, u_count, u_degree, u)
+    v_span = span_of(heap, v_knots, v_count, v_degree, v)
+    u_values, u_slopes = basis(heap, u_knots, u_span, u_degree, u)
+    v_values, v_slopes = basis(heap, v_knots, v_span, v_degree, v)
+    total = np.zeros((3, 4))
+    for i in range(u_degree + 1):
+        row = poles + 4 * ((u_span - u_degree + i) * columns + v_span - v_degree)
+        for j in range(v_degree + 1):
+            value = u_values[i] * v_values[j]
+            u_slope = u_slopes[i] * v_values[j]
+            v_slope = u_values[i] * v_slopes[j]
+            for axis in range(4):
+                number = heap[row + 4 * j + axis]
+                total[0, axis] += value * number
+                total[1, axis] += u_slope * number
+                total[2, axis] += v_slope * number
+    result = np.empty((3, 3))
+    weight = total[0, 3]
+    for axis in range(3):
+        point = total[0, axis] / weight
+        result[0, axis] = point
+        result[1, axis] = (total[1, axis] - point * total[1, 3]) / weight
+        result[2, axis] = (total[2, axis] - point * total[2, 3]) / weight
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    """The point is exact; the tangents, which only steer Newton steps, are differences."""
+    step = 1e-6
+    result = np.empty((3, 3))
+    result[0] = _offset_point(heap, place, u, v)
+    result[1] = _offset_point(heap, place, u + step, v) - _offset_point(heap, place, u - step, v)
+    result[2] = _offset_point(heap, place, u, v + step) - _offset_point(heap, place, u, v - step)
+    result[1:] /= 2 * step
+    return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
+    base = _plain_at(heap, int(heap[place + 2]), u, v)
+    normal = np.cross(base[1], base[2])
+    return base[0] + heap[place + 1] / np.sqrt(normal @ normal) * normal

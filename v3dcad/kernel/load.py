@@ -1,0 +1,47 @@
+"""Reading STEP and BREP files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from OCP.BinTools import BinTools
+from OCP.BRep import BRep_Builder
+from OCP.BRepTools import BRepTools
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.STEPControl import STEPControl_Reader
+from OCP.TopoDS import TopoDS_Shape
+
+from v3dcad.errors import FormatError
+from v3dcad.kernel.part import SolidPart, solid_part
+
+
+def load_step(path: Path) -> SolidPart:
+    """The solids of a STEP file, in mm whatever the file's unit, assemblies in place.
+
+    Raises `FormatError` where the file is not STEP or cannot be read, `KernelError` where it
+    holds no solid.
+    """
+    with path.open("rb") as file:
+        if not file.read(256).lstrip().startswith(b"ISO-10303-21"):
+            raise FormatError(
+                "not a STEP file (it does not begin with ISO-10303-21); export it again",
+                path=str(path),
+            )
+    reader = STEPControl_Reader()
+    if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.TransferRoots():
+        raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
+    return solid_part(reader.OneShape(), path.stem, str(path))
+
+
+def load_brep(path: Path) -> SolidPart:
+    """The solids of a BREP file, text or binary. Raises as `load_step` does."""
+    with path.open("rb") as file:
+        head = file.read(512)
+    shape = TopoDS_Shape()
+    if b"Open CASCADE Topology" in head:
+        BinTools.Read_s(shape, str(path))
+    elif b"CASCADE Topology" in head or head.startswith(b"DBRep_DrawableShape"):
+        BRepTools.Read_s(shape, str(path), BRep_Builder())
+    if shape.IsNull():
+        raise FormatError("OCCT cannot read this as BREP; export it again", path=str(path))
+    return solid_part(shape, path.stem, str(path))

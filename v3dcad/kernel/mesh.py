@@ -1,0 +1,256 @@
+"""The mesh of B-rep solids whose nodes are shared by id: closed without any tolerance.
+
+OCCT divides every edge once, for all faces beside it, and says which of a face's nodes are
+points of which edge. A node is thus known as a vertex, as the i-th point of an edge, or as the
+i-th inner point of a face; a mesh edge as the i-th stretch of an edge, or as a pair of nodes
+inside one face. Nothing is compared by its coordinates.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from OCP.Bnd import Bnd_Box
+from OCP.BRep import BRep_Tool
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+from OCP.BRepClass import BRepClass_FaceClassifier
+from OCP.BRepLib import BRepLib
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.gp import gp_Pnt2d
+from OCP.TopAbs import (
+    TopAbs_EDGE,
+    TopAbs_FACE,
+    TopAbs_IN,
+    TopAbs_REVERSED,
+    TopAbs_SOLID,
+    TopAbs_VERTEX,
+)
+from OCP.TopExp import TopExp, TopExp_Explorer
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
+from OCP.TopTools import TopTools_IndexedMapOfShape
+
+from v3dcad.errors import KernelError
+from v3dcad.geometry.critical import critical_points
+from v3dcad.geometry.curves import curve_at
+from v3dcad.geometry.mesh_section import pair_sides
+from v3dcad.geometry.poles import with_meridians
+from v3dcad.geometry.surface_mesh import SurfaceMesh
+from v3dcad.geometry.surface_refining import refined
+from v3dcad.geometry.surfaces import surface_at
+from v3dcad.kernel.packing import Packer
+
+DEFLECTION = 0.002
+"""Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
+of every face: sections do not become more exact with a finer one."""
+
+ANGLE = 0.5
+"""Largest turn between two neighbours on the first mesh, radians."""
+
+
+def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
+    """The faces of a shape's solids as a mesh on their true surfaces, ready to be sectioned.
+
+    Faces are numbered as they are met, solid by solid. `KernelError` where a face cannot be
+    meshed, or where edges do not have a face on either side (an open shell).
+    """
+    # The caller's shape keeps its own triangulation.
+    shape = BRepBuilderAPI_Copy(shape, False, False).Shape()
+    BRepLib.BuildCurves3d_s(shape)
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box, False)
+    if box.IsVoid():
+        raise KernelError("the part has no face to be sectioned")
+    sag = DEFLECTION * box.CornerMin().Distance(box.CornerMax())
+    BRepMesh_IncrementalMesh(shape, sag, False, ANGLE, False)
+    collector = _Collector()
+    for solid in _subshapes(shape, TopAbs_SOLID):
+        collector.add_solid(solid)
+    mesh = collector.mesh()
+    triangles, parameters = critical_points(mesh)
+    inside = [
+        _is_inside(collector.faces[mesh.faces[triangle]], u, v)
+        for triangle, (u, v) in zip(triangles, parameters, strict=True)
+    ]
+    return refined(mesh, triangles[inside], parameters[inside])
+
+
+def _subshapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
+    explorer = TopExp_Explorer(shape, kind)
+    found = []
+    while explorer.More():
+        found.append(explorer.Current())
+        explorer.Next()
+    return found
+
+
+def _is_inside(face: TopoDS_Face, u: float, v: float) -> bool:
+    """Whether (u, v) lies inside a face and not on its boundary."""
+    return bool(BRepClass_FaceClassifier(face, gp_Pnt2d(u, v), 1e-9).State() == TopAbs_IN)
+
+
+class _Collector:
+    """Triangles of face after face. A "corner" is a node of one face's own triangulation."""
+
+    def __init__(self) -> None:
+        self.packer = Packer()
+        self.faces: list[TopoDS_Face] = []
+        self.surfaces: list[int] = []
+        self.triangles: list[tuple[int, int, int]] = []
+        self.owner: list[int] = []
+        self.corner_uv: list[tuple[float, float]] = []
+        self.corner_node: list[int] = []
+        self.corner_face: list[int] = []
+        self.poles: list[int] = []
+        self.nodes: list[tuple[float, float, float]] = []
+        self.stretches: list[tuple[int, float, float]] = []
+        self.stretch_ends: list[tuple[int, int, int]] = []
+
+    def add_solid(self, solid: TopoDS_Shape) -> None:
+        vertices, edges = TopTools_IndexedMapOfShape(), TopTools_IndexedMapOfShape()
+        TopExp.MapShapes_s(solid, TopAbs_VERTEX, vertices)
+        TopExp.MapShapes_s(solid, TopAbs_EDGE, edges)
+        self.vertices = vertices
+        self.vertex_node = len(self.nodes) - 1
+        for i in range(1, vertices.Extent() + 1):
+            self.nodes.append(BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord())
+        self.edges = edges
+        self.divided: dict[int, tuple[int, int]] = {}
+        for face in _subshapes(solid, TopAbs_FACE):
+            self._add_face(TopoDS.Face_s(face))
+
+    def _add_face(self, face: TopoDS_Face) -> None:
+        place = TopLoc_Location()
+        facets = BRep_Tool.Triangulation_s(face, place)
+        if facets is None:
+            raise KernelError(
+                f"face {len(self.faces) + 1} cannot be triangulated: "
+                "heal the part where it was made"
+            )
+        first = len(self.corner_uv) - 1
+        count = facets.NbNodes()
+        self.corner_uv += [facets.UVNode(i).Coord() for i in range(1, count + 1)]
+        self.corner_node += [-1] * count
+        self.corner_face += [len(self.faces)] * count
+        for edge in map(TopoDS.Edge_s, _subshapes(face, TopAbs_EDGE)):
+            polygon = BRep_Tool.PolygonOnTriangulation_s(edge, facets, place)
+            if polygon is not None:
+                self._add_boundary(edge, polygon, first)
+        order = (0, 2, 1) if face.Orientation() == TopAbs_REVERSED else (0, 1, 2)
+        a, b, c = order
+        for i in range(1, facets.NbTriangles() + 1):
+            corners = facets.Triangle(i).Get()
+            self.triangles.append((first + corners[a], first + corners[b], first + corners[c]))
+        self.owner += [len(self.faces)] * facets.NbTriangles()
+        self.faces.append(face)
+        self.surfaces.append(self.packer.surface(BRep_Tool.Surface_s(face)))
+
+    def _add_boundary(self, edge: TopoDS_Edge, polygon: Any, first: int) -> None:
+        """Give the corners along an edge the edge's nodes, and their sides its stretches."""
+        count = polygon.NbNodes()
+        corners = [first + polygon.Node(i) for i in range(1, count + 1)]
+        ends = [
+            self.vertex_node + self.vertices.FindIndex(vertex)
+            for vertex in (TopExp.FirstVertex_s(edge), TopExp.LastVertex_s(edge))
+        ]
+        if BRep_Tool.Degenerated_s(edge):
+            self.poles += corners
+            for corner in corners:
+                self.corner_node[corner] = ends[0]
+            return
+        node, stretch = self._divide(edge, polygon, count)
+        inner = range(node, node + count - 2)
+        for corner, number in zip(corners, [ends[0], *inner, ends[1]], strict=True):
+            self.corner_node[corner] = number
+        self.stretch_ends += [(corners[i], corners[i + 1], stretch + i) for i in range(count - 1)]
+
+    def _divide(self, edge: TopoDS_Edge, polygon: Any, count: int) -> tuple[int, int]:
+        """The first inner node and the first stretch of an edge, made when first met."""
+        name = self.edges.FindIndex(edge)
+        known = self.divided.get(name)
+        if known is None:
+            known = self.divided[name] = (len(self.nodes), len(self.stretches))
+            curve = self.packer.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0))
+            shares = [polygon.Parameter(i) for i in range(1, count + 1)]
+            self.nodes += [(np.nan, curve, share) for share in shares[1:-1]]
+            self.stretches += [(curve, start, stop) for start, stop in pairwise(shares)]
+        return known
+
+    def mesh(self) -> SurfaceMesh:
+        heap = self.packer.heap()
+        surfaces = np.array(self.surfaces, np.int64)
+        triangles = np.array(self.triangles, np.int64).reshape(-1, 3)
+        uv = np.array(self.corner_uv).reshape(-1, 2)
+        owner = np.array(self.owner, np.int64)
+        node_of = np.array(self.corner_node, np.int64)
+        inner = np.flatnonzero(node_of < 0)
+        node_of[inner] = len(self.nodes) + np.arange(len(inner))
+        nodes = np.array(self.nodes + [(0.0, 0.0, 0.0)] * len(inner))
+        for node in np.flatnonzero(np.isnan(nodes[:, 0])):
+            nodes[node] = curve_at(heap, int(nodes[node, 1]), nodes[node, 2])[:3]
+        for corner in inner:
+            place = surfaces[self.corner_face[corner]]
+            nodes[node_of[corner]] = surface_at(heap, place, *uv[corner])[0]
+        joined = _joined(
+            heap, surfaces, nodes, triangles, uv, owner, node_of, self.stretches, self.stretch_ends
+        )
+        return with_meridians(joined, np.isin(triangles, self.poles))
+
+
+def _joined(
+    heap: Any,
+    surfaces: Any,
+    nodes: Any,
+    triangles: Any,
+    uv: Any,
+    owner: Any,
+    node_of: Any,
+    stretches: list[tuple[int, float, float]],
+    stretch_ends: list[tuple[int, int, int]],
+) -> SurfaceMesh:
+    """Pair the sides of triangles of corners into mesh edges."""
+    tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    name = np.minimum(tail, head) * len(uv) + np.maximum(tail, head)
+    ends = np.array(stretch_ends, np.int64).reshape(-1, 3)
+    end_name = np.minimum(ends[:, 0], ends[:, 1]) * len(uv) + np.maximum(ends[:, 0], ends[:, 1])
+    order = np.argsort(end_name)
+    at = np.minimum(np.searchsorted(end_name[order], name), len(ends) - 1)
+    found = order[at]
+    on_edge = end_name[found] == name
+    stretch = np.where(on_edge, ends[found, 2], -1)
+    backward = np.where(on_edge, ends[found, 0] != tail, tail > head)
+    inner_names = np.unique(name)
+    key = np.where(on_edge, stretch, len(stretches) + np.searchsorted(inner_names, name))
+    kept = np.flatnonzero(node_of[tail] != node_of[head])
+    forward, partner, unpaired = pair_sides(key[kept], backward[kept])
+    if unpaired:
+        raise KernelError(
+            f"the part is not closed: {unpaired} stretches of edges have a face on one side only; "
+            "heal or sew it where it was made"
+        )
+    forward, partner = kept[forward], kept[partner]
+    sides = np.full(len(tail), -1, np.int64)
+    sides[forward] = sides[partner] = np.arange(len(forward))
+    curve = np.array(stretches).reshape(-1, 3)
+    lies = on_edge[forward]
+    spans = np.column_stack([uv[tail[forward]], uv[head[forward]]])
+    spans[lies] = 0.0
+    spans[lies, :2] = curve[stretch[forward[lies]], 1:]
+    curves = np.full(len(forward), -1, np.int64)
+    curves[lies] = curve[stretch[forward[lies]], 0]
+    return SurfaceMesh(
+        heap=heap,
+        surfaces=surfaces,
+        nodes=nodes,
+        triangles=node_of[triangles],
+        corners=uv[triangles],
+        faces=owner,
+        sides=sides.reshape(-1, 3),
+        edge_nodes=np.column_stack([node_of[tail[forward]], node_of[head[forward]]]),
+        edge_faces=owner[forward // 3],
+        edge_curves=curves,
+        edge_spans=spans,
+    )

@@ -1,0 +1,62 @@
+"""Small things said often of OCCT shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from OCP.Bnd import Bnd_Box
+from OCP.BRep import BRep_Builder
+from OCP.BRepBndLib import BRepBndLib
+from OCP.gp import gp_Trsf
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
+
+from v3dcad.model import Floats, Placement
+
+SOLID, FACE, EDGE = TopAbs_SOLID, TopAbs_FACE, TopAbs_EDGE
+
+
+def subshapes(shape: TopoDS_Shape, kind: Any, outside: Any = None) -> Iterator[TopoDS_Shape]:
+    """Every subshape of a kind, once per occurrence; with `outside`, those in no such shape."""
+    explorer = (
+        TopExp_Explorer(shape, kind) if outside is None else TopExp_Explorer(shape, kind, outside)
+    )
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
+
+
+def compound(shapes: Iterable[TopoDS_Shape]) -> TopoDS_Compound:
+    """The shapes, as they are, in one compound."""
+    builder = BRep_Builder()
+    result = TopoDS_Compound()
+    builder.MakeCompound(result)
+    for shape in shapes:
+        builder.Add(result, shape)
+    return result
+
+
+def bounds(shape: TopoDS_Shape) -> Floats:
+    """(2, 3) least and greatest coordinates of a shape, mm, from its exact geometry."""
+    box = Bnd_Box()
+    BRepBndLib.AddOptimal_s(shape, box, False, False)
+    low, high = box.CornerMin(), box.CornerMax()
+    gap = box.GetGap()
+    return np.array(
+        [
+            [low.X() + gap, low.Y() + gap, low.Z() + gap],
+            [high.X() - gap, high.Y() - gap, high.Z() - gap],
+        ]
+    )
+
+
+def location(placement: Placement) -> TopLoc_Location:
+    """A placement as OCCT's location."""
+    motion = gp_Trsf()
+    rows = np.column_stack([placement.rotation, placement.translation])
+    motion.SetValues(*(float(value) for value in rows.ravel()))
+    return TopLoc_Location(motion)

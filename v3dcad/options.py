@@ -1,0 +1,80 @@
+"""Command-line options made from the settings' declarations.
+
+An option that is not given is None, so that a profile, an `.ont` file or the default can say.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, get_type_hints
+
+import typer
+
+from v3dcad.settings import Checked, Declared, declared, option
+
+Command = Callable[..., None]
+
+
+def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
+    """Give a command one option for each setting of the classes, in their order.
+
+    The command receives them as keyword arguments; `given` picks those of one class.
+    """
+
+    def decorate(command: Command) -> Command:
+        own = inspect.signature(command, eval_str=True)
+        parameters = [
+            parameter
+            for parameter in own.parameters.values()
+            if parameter.kind is not inspect.Parameter.VAR_KEYWORD
+        ]
+        for cls in classes:
+            parameters += [_parameter(cls, name) for name in cls.__dataclass_fields__]
+
+        def run(**arguments: Any) -> None:
+            command(**arguments)
+
+        run.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+        run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+        run.__name__ = command.__name__
+        run.__doc__ = command.__doc__
+        return run
+
+    return decorate
+
+
+def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
+    known = declared(cls, name)
+    default = cls.__dataclass_fields__[name].default
+    kind = get_type_hints(cls)[name]
+    names = [option(name) + ("/--no-" + option(name)[2:] if kind is bool else "")]
+    shown = typer.Option(
+        *names,
+        help=f"{known.help[:-1]} ({known.unit})." if known.unit else known.help,
+        metavar="|".join(known.choices) or known.metavar,
+        parser=_number_or_word(known) if known.word else None,
+        show_default="its own" if "\n" in str(default) else str(default),
+        rich_help_panel=(cls.__doc__ or "").split(".")[0],
+    )
+    annotation: Any = Annotated[Any if known.word else kind | None, shown]
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation
+    )
+
+
+def _number_or_word(known: Declared) -> Callable[[str], float | str]:
+    def number(text: str) -> float | str:
+        return text if text == known.word else float(text)
+
+    number.__name__ = f"number|{known.word}"
+    return number
+
+
+def given(cls: type[Checked], arguments: dict[str, Any]) -> dict[str, Any]:
+    """The settings of one class that were given among a command's keyword arguments."""
+    return {
+        name: arguments[name]
+        for name in cls.__dataclass_fields__
+        if arguments.get(name) is not None
+    }

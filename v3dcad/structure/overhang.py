@@ -1,0 +1,212 @@
+"""What holds up a layer's walls: the certificate that a structure prints without support.
+
+A wall between two sites leans by tan θ = |difference of growth| / (2 · distance of the sites). How
+far its points lie from the walls and contours of the layer below is computed, not sampled: the
+bound given is at most `SLACK` above the true greatest distance, and never below it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from v3dcad.geometry.grid import Grid, curve_order
+from v3dcad.geometry.support import distance_to_walls
+from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, triangulation
+from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
+
+SLACK = 0.01
+"""Relative excess of the bound over the true greatest distance."""
+
+NEGLIGIBLE = 1e-6
+"""mm; distances up to this are not told apart."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Overhang(Value):
+    """How every layer rests on the one below. Layer 0 rests on the bed: its entries are 0."""
+
+    wall_tilt: Floats
+    """(layers,) largest tilt of a wall from the vertical, degrees"""
+    strut_tilt: Floats
+    """(layers,) largest tilt of a line where three walls meet, degrees"""
+    distance: Floats
+    """(layers,) mm: largest distance of a wall's point to walls and contours of the layer below,
+    among the points that lie over the section below"""
+    unsupported: Floats
+    """(layers,) mm of wall over the section below that lie farther than half a bead from its
+    walls and contours"""
+    outside: Floats
+    """(layers,) mm of wall that lie outside the section below: the part's own overhang"""
+
+
+def overhang(layers: Iterable[Layer], bead_width: float) -> Overhang:
+    """The certificate of a stack of layers (ascending), for beads of a width in mm."""
+    rows: list[tuple[float, ...]] = []
+    below: Layer | None = None
+    for layer in layers:
+        tilts = (_degrees(wall_slopes(layer)), _degrees(strut_slopes(layer)))
+        if below is None or not len(below.diagram.edges):
+            rest = (0.0, 0.0, 0.0)
+        else:
+            rest = _rests(layer, below, all_neighbours(below.state), bead_width / 2)
+        rows.append((*tilts, *rest))
+        below = layer
+    return Overhang(*np.array(rows, dtype=np.float64).reshape(-1, 5).T)
+
+
+def all_neighbours(state: SiteState) -> Ints:
+    """(m, 2) pairs of sites, i < j, that share a wall anywhere in the plane."""
+    grid = Grid.around(state.sites.min(axis=0), state.sites.max(axis=0))
+    places = grid.snap(state.sites)
+    order = curve_order(places)
+    mesh = triangulation(places[order], grid.snap_weights(state.weights[order]))
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
+    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
+    return np.asarray(np.sort(order[ends], axis=1))
+
+
+def _degrees(slopes: Floats) -> float:
+    return float(np.degrees(np.arctan(slopes.max(initial=0.0))))
+
+
+def wall_slopes(layer: Layer) -> Floats:
+    """(m,) shift of each wall per height, one for each row of the layer's neighbours."""
+    i, j = layer.diagram.neighbours.T
+    state = layer.state
+    apart = np.hypot(*(state.sites[i] - state.sites[j]).T)
+    return np.asarray(np.abs(state.growth[i] - state.growth[j]) / (2 * apart))
+
+
+def strut_slopes(layer: Layer) -> Floats:
+    """Shift per height of each point where three cells meet inside the section.
+
+    The point keeps equal power to three sites p with growth b, so that its velocity v solves
+    2 v · (p_j − p_i) = b_i − b_j for two pairs of them.
+    """
+    sites = meeting_sites(layer.diagram)
+    p, b = layer.state.sites[sites], layer.state.growth[sites]
+    sides = 2 * (p[:, 1:] - p[:, :1])
+    change = b[:, :1] - b[:, 1:]
+    double = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    x = change[:, 0] * sides[:, 1, 1] - change[:, 1] * sides[:, 0, 1]
+    y = sides[:, 0, 0] * change[:, 1] - sides[:, 1, 0] * change[:, 0]
+    return np.asarray(np.hypot(x, y)[double != 0] / np.abs(double[double != 0]))
+
+
+def meeting_sites(diagram: Diagram) -> Ints:
+    """(s, 3) the sites around every vertex where exactly three cells meet."""
+    ends = np.repeat(diagram.edges.ravel(), 2)
+    sites = np.repeat(diagram.edge_sites, 2, axis=0).ravel()
+    around = np.unique(np.column_stack([ends, sites]), axis=0)
+    count = np.bincount(around[:, 0], minlength=len(diagram.vertices))
+    on_contour = np.zeros(len(diagram.vertices), dtype=bool)
+    on_contour[around[around[:, 1] == OUTSIDE, 0]] = True
+    chosen = (count == 3) & ~on_contour
+    return np.asarray(around[chosen[around[:, 0]], 1].reshape(-1, 3))
+
+
+def _rests(
+    layer: Layer, below: Layer, neighbours: Ints, reach: float
+) -> tuple[float, float, float]:
+    """Largest distance, unsupported length and length outside the section below, mm."""
+    diagram, state = layer.diagram, below.state
+    inner = diagram.inner()
+    segments = diagram.vertices[diagram.edges[inner]]
+    hints = diagram.edge_sites[inner, 0]
+    outside = 0.0
+    if not _same_rings(layer.section, below.section):
+        whole = float(np.hypot(*(segments[:, 1] - segments[:, 0]).T).sum())
+        segments, hints = _within(segments, hints, section_area(below.section))
+        outside = whole - float(np.hypot(*(segments[:, 1] - segments[:, 0]).T).sum())
+        outside = outside if outside > NEGLIGIBLE else 0.0
+    if not len(segments):
+        return 0.0, 0.0, outside
+    # A newborn has no cell below from which a search could start; any site that has one will do.
+    has_cell = np.zeros(max(len(layer.state.sites), len(state.sites)), dtype=bool)
+    has_cell[neighbours] = True
+    start = int(neighbours[0, 0]) if len(neighbours) else int(below.diagram.sites()[0])
+    hints = np.where(has_cell[hints], hints, start)
+
+    def to_walls(pieces: Floats, hints: Ints) -> tuple[Floats, Floats]:
+        return distance_to_walls(pieces, hints, state.sites, state.weights, neighbours, reach)
+
+    farthest, beyond = to_walls(segments, hints)
+    contours = shapely.multilinestrings([_closed(ring) for ring in below.section.rings])
+    shapely.prepare(contours)
+    unsupported = 0.0
+    far = beyond > 0
+    if far.any():
+        clear = shapely.buffer(contours, reach, quad_segs=64)
+        shapely.prepare(clear)
+        pieces, of = _split(segments[far], hints[far], shapely.difference, clear)
+        unsupported = float(to_walls(pieces, of)[1].sum())
+    return _largest(segments, hints, farthest, contours, to_walls), unsupported, outside
+
+
+def _largest(
+    segments: Floats,
+    hints: Ints,
+    farthest: Floats,
+    contours: shapely.Geometry,
+    to_walls: Callable[[Floats, Ints], tuple[Floats, Floats]],
+) -> float:
+    """The largest distance of a point of the segments to walls and contours, at most SLACK above.
+
+    Branch and bound: distance to walls is exact on a segment; distance to contours is at most
+    that of the middle plus half the length. Halve what may still hold a larger distance.
+    """
+    best = 0.0
+    bound = farthest
+    while True:
+        open_ = bound > best * (1 + SLACK) + NEGLIGIBLE
+        if not open_.any():
+            return best * (1 + SLACK) + NEGLIGIBLE if best > NEGLIGIBLE else best
+        segments, hints = segments[open_], hints[open_]
+        middle = segments.mean(axis=1)
+        half = np.hypot(*(segments[:, 1] - segments[:, 0]).T) / 2
+        to_contours = shapely.distance(contours, shapely.points(middle))
+        there = to_walls(np.stack([middle, middle], axis=1), hints)[0]
+        best = max(best, float(np.minimum(there, to_contours).max()))
+        bound = np.minimum(to_walls(segments, hints)[0], to_contours + half)
+        segments = np.concatenate(
+            [np.stack([segments[:, 0], middle], axis=1), np.stack([middle, segments[:, 1]], axis=1)]
+        )
+        hints = np.concatenate([hints, hints])
+        bound = np.concatenate([bound, bound])
+
+
+def _within(segments: Floats, hints: Ints, area: shapely.Geometry) -> tuple[Floats, Ints]:
+    """The parts of segments (s, 2, 2) inside an area, and the hint of each."""
+    shapely.prepare(area)
+    covered = shapely.covers(area, shapely.linestrings(segments))
+    pieces, of = _split(segments[~covered], hints[~covered], shapely.intersection, area)
+    return np.concatenate([segments[covered], pieces]), np.concatenate([hints[covered], of])
+
+
+def _split(
+    segments: Floats, hints: Ints, operation: Callable[..., object], area: shapely.Geometry
+) -> tuple[Floats, Ints]:
+    """What an overlay operation with an area leaves of segments, piece by piece."""
+    left, of = shapely.get_parts(operation(shapely.linestrings(segments), area), return_index=True)
+    lines = shapely.get_type_id(left) == shapely.GeometryType.LINESTRING
+    lines &= shapely.length(left) > NEGLIGIBLE
+    ends = [shapely.get_coordinates(line)[[0, -1]] for line in left[lines]]
+    return np.array(ends, dtype=np.float64).reshape(-1, 2, 2), hints[of[lines]]
+
+
+def _same_rings(one: Section, other: Section) -> bool:
+    return len(one.rings) == len(other.rings) and all(map(np.array_equal, one.rings, other.rings))
+
+
+def _closed(ring: Floats) -> shapely.Geometry:
+    return shapely.linestrings(np.vstack([ring, ring[:1]]))
+
+
+def section_area(section: Section) -> shapely.Geometry:
+    """The section as one shapely polygon or multipolygon."""
+    return shapely.build_area(shapely.multilinestrings([_closed(r) for r in section.rings]))

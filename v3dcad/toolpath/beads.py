@@ -1,0 +1,187 @@
+"""From layers to toolpaths: strokes become beads with a volume, and travels join them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.model import (
+    EXTRUDE,
+    NOTHING,
+    RETRACED,
+    RETRACT,
+    TRAVEL,
+    UNRETRACT,
+    Bytes,
+    Floats,
+    Layer,
+    Toolpath,
+)
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.perimeters import region
+from v3dcad.toolpath.plan import Plan, Stroke
+from v3dcad.toolpath.report import LayerReport, layer_report
+from v3dcad.toolpath.travel import Traveller
+
+APPROACH = 5.0
+"""mm above the first layer at which the nozzle comes to the part."""
+
+
+def trace(
+    layers: Iterable[Layer],
+    settings: PrintSettings,
+    report: Callable[[LayerReport], None] | None = None,
+) -> Iterator[Toolpath]:
+    """One toolpath a layer: every cell edge and perimeter extruded once.
+
+    A layer is printed at its section's height plus the first layer's height, in the layers'
+    own coordinates; its beads fill the height to the layer below. `report` is told of each
+    layer as soon as it is traced. Layers are held only as long as it takes to know whether
+    they are among the top ones. Raises `GeometryError` where layers do not ascend.
+    """
+    nozzle = Nozzle(settings)
+    for layer, solid in _solid_marked(layers, settings):
+        area = region(layer.section)
+        plan = Plan(layer, area, settings, solid, first=nozzle.level == 0)
+        nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
+        before, strokes = nozzle.position, 0
+        for stroke in plan.strokes(before[:2]):
+            nozzle.print(stroke)
+            strokes += 1
+        toolpath = nozzle.taken(layer.index)
+        if report is not None:
+            report(layer_report(toolpath, before, strokes, plan))
+        yield toolpath
+
+
+def bead_area(width: float, height: float, shape: str) -> float:
+    """Cross-section of a bead, mm²: a rectangle, or one with half-round sides ("rounded").
+
+    The rounded one is as wide and as high as the rectangle around it; where it would be higher
+    than wide, top and bottom are the round ones.
+    """
+    if shape == "rectangle":
+        return width * height
+    low = min(width, height)
+    return low * (max(width, height) - low) + np.pi / 4 * low**2
+
+
+class Steps(NamedTuple):
+    """A stretch of a toolpath: the fields of `Toolpath` but for the layer."""
+
+    points: Floats
+    kind: Bytes
+    volume: Floats
+    speed: Floats
+    feature: Bytes
+    centre: Floats
+
+
+class Nozzle:
+    """Where the nozzle is, and the steps that brought it there since they were last taken."""
+
+    def __init__(self, settings: PrintSettings) -> None:
+        self.settings = settings
+        self.position = np.zeros(3)
+        self.level = 0.0
+        self._area = 0.0
+        self._speed = 0.0
+        self._traveller: Traveller
+        self._started = False
+        self._steps: list[Steps] = []
+
+    def rise(self, layer: Layer, traveller: Traveller) -> None:
+        """Go on to a layer: its level, its ways, the area of its beads and their speed."""
+        settings, below = self.settings, self.level
+        self.level = layer.z + settings.first_layer_height
+        if self.level <= below:
+            raise GeometryError(
+                f"its section at {layer.z:g} mm is not above the one below; "
+                "give layers in ascending order",
+                layer=layer.index,
+            )
+        flow = settings.flow if below else settings.first_layer_flow
+        area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
+        self._area = area * flow / 100
+        self._speed = settings.print_speed if below else settings.first_layer_speed
+        self._traveller = traveller
+
+    def print(self, stroke: Stroke) -> None:
+        """Travel to a stroke's start and extrude it."""
+        self._travel(stroke.points[0])
+        extruding = stroke.feature != RETRACED
+        ends = stroke.points[1:]
+        self._steps.append(
+            Steps(
+                np.column_stack([ends, np.full(len(ends), self.level)]),
+                np.where(extruding, EXTRUDE, TRAVEL).astype(np.int8),
+                stroke.laid * self._area,
+                np.where(extruding, self._speed, self.settings.travel_speed),
+                stroke.feature,
+                stroke.centre,
+            )
+        )
+        self.position = self._steps[-1].points[-1]
+
+    def taken(self, layer: int) -> Toolpath:
+        """The steps so far, as the toolpath of a layer; then there are none."""
+        steps, self._steps = [_moves([], TRAVEL, 0.0), *self._steps], []
+        points, kind, volume, speed, feature, centre = map(np.concatenate, zip(*steps, strict=True))
+        layers = np.full(len(points), layer)
+        return Toolpath(points, kind, volume, speed, layers, feature, centre)
+
+    def _travel(self, stop: Floats) -> None:
+        settings, level = self.settings, self.level
+        x, y = stop
+        if not self._started:
+            self._started = True
+            self._go([(x, y, level + APPROACH)], TRAVEL, settings.travel_speed)
+            self._go([(x, y, level)], TRAVEL, settings.z_speed)
+            return
+        here = self.position
+        apart = float(np.hypot(*(stop - here[:2])))
+        retracts = settings.retracts() and apart > 0 and apart >= settings.retraction_travel
+        raised = level + settings.z_hop if retracts else level
+        if retracts:
+            self._go([tuple(here)], RETRACT, settings.retraction_speed)
+        if here[2] != raised:
+            self._go([(here[0], here[1], raised)], TRAVEL, settings.z_speed)
+        if apart > 0:
+            way = self._traveller.way(here[:2], stop)
+            self._go([(*bend, raised) for bend in way], TRAVEL, settings.travel_speed)
+        if raised > level:
+            self._go([(x, y, level)], TRAVEL, settings.z_speed)
+        if retracts:
+            self._go([(x, y, level)], UNRETRACT, settings.retraction_speed)
+
+    def _go(self, points: Sequence[tuple[float, ...]], kind: int, speed: float) -> None:
+        self._steps.append(_moves(points, kind, speed))
+        self.position = self._steps[-1].points[-1]
+
+
+def _moves(points: Sequence[tuple[float, ...]], kind: int, speed: float) -> Steps:
+    count = len(points)
+    return Steps(
+        np.array(points, dtype=np.float64).reshape(-1, 3),
+        np.full(count, kind, dtype=np.int8),
+        np.zeros(count),
+        np.full(count, speed),
+        np.full(count, NOTHING, dtype=np.int8),
+        np.full((count, 2), np.nan),
+    )
+
+
+def _solid_marked(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[tuple[Layer, bool]]:
+    """Each layer, and whether it is one of the solid ones at the bottom or top."""
+    waiting: deque[tuple[int, Layer]] = deque()
+    for number, layer in enumerate(layers):
+        waiting.append((number, layer))
+        if len(waiting) > settings.top_layers:
+            place, ready = waiting.popleft()
+            yield ready, place < settings.bottom_layers
+    for _, layer in waiting:
+        yield layer, True

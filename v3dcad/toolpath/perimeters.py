@@ -1,0 +1,73 @@
+"""A section's area, its perimeters inside the contour, and which of their edges are arcs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from v3dcad.model import PERIMETER, Floats, Section
+from v3dcad.toolpath.graph import PathGraph
+
+MITRE_LIMIT = 3.0
+"""Corners sharper than this many distances are cut off, as slicers do."""
+
+
+def region(section: Section) -> shapely.Geometry:
+    """The section's area as a polygon or several; every second nested ring is a hole."""
+    closed = [np.vstack([ring, ring[:1]]) for ring in section.rings]
+    return shapely.build_area(shapely.MultiLineString(closed))
+
+
+def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
+    """What of an area lies deeper than `distance` (mm) inside it; negative: the area grown."""
+    if distance == 0:
+        return area
+    return area.buffer(-distance, join_style="mitre", mitre_limit=MITRE_LIMIT)
+
+
+def loops(area: shapely.Geometry) -> list[Floats]:
+    """The closed lines around an area, each by its points (k, 2), mm."""
+    rings = shapely.get_rings(shapely.get_parts(area))
+    return [shapely.get_coordinates(ring)[:-1] for ring in rings]
+
+
+def with_arcs(graph: PathGraph, section: Section, distance: float) -> PathGraph:
+    """The graph with its perimeter, `distance` (mm) inside the section, told its circular arcs.
+
+    A circle's perimeter is a circle about the same centre. Vertices of the perimeter within
+    the error of the section's own polygon are moved onto it, and the edges between them get
+    its centre.
+    """
+    vertices, centres = graph.vertices.copy(), graph.centre.copy()
+    perimeter = graph.feature == PERIMETER
+    rim = np.unique(graph.edges[perimeter])
+    for run in section.runs:
+        if run.curve != "circle":
+            continue
+        centre, radius = np.array(run.parameters[:2]), run.parameters[2]
+        ring = section.rings[run.ring]
+        points = ring[np.arange(run.start, run.stop + 1) % len(ring)] - centre
+        turned = points[:-1, 0] * points[1:, 1] - points[:-1, 1] * points[1:, 0]
+        within = radius - distance if turned.sum() > 0 else radius + distance
+        longest = float(np.hypot(*np.diff(points, axis=0).T).max())
+        half_angle = math.asin(min(longest / (2 * radius), 1.0))
+        if within <= 0 or half_angle > math.pi / 4:
+            continue
+        error = 2 * (radius + distance) * (1 / math.cos(half_angle) - 1) + 1e-6
+        away = vertices[rim] - centre
+        reach = np.hypot(*away.T)
+        near = np.abs(reach - within) < error
+        on = np.zeros(len(vertices), dtype=bool)
+        on[rim[near]] = True
+        chord = np.hypot(*np.diff(vertices[graph.edges], axis=1)[:, 0].T)
+        arc = perimeter & on[graph.edges].all(axis=1)
+        arc &= (chord < 2 * within * math.sin(half_angle) + 2 * error) & np.isnan(centres[:, 0])
+        moved = np.zeros(len(vertices), dtype=bool)
+        moved[graph.edges[arc]] = True
+        moved = moved[rim]
+        vertices[rim[moved]] = centre + away[moved] * (within / reach[moved])[:, None]
+        centres[arc] = centre
+    return replace(graph, vertices=vertices, centre=centres)

@@ -1,0 +1,164 @@
+"""What is printed on a layer and in which order: strokes, still flat and without volume."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from v3dcad.model import (
+    BRIM,
+    PERIMETER,
+    RETRACED,
+    SKIRT,
+    SOLID,
+    Bytes,
+    Floats,
+    Layer,
+)
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.graph import (
+    PathGraph,
+    diagram_graph,
+    loops_graph,
+    shared_length,
+    with_short_edges_joined,
+)
+from v3dcad.toolpath.perimeters import inset, loops, with_arcs
+from v3dcad.toolpath.route import Walk, minimum_join, walks
+from v3dcad.toolpath.solid import hatch
+from v3dcad.toolpath.trim import trimmed
+
+
+class Stroke(NamedTuple):
+    """One stroke of the nozzle: `points` (k + 1, 2), mm, and for each of the k steps
+
+    its feature (RETRACED where nothing is extruded), how many mm of full bead are laid, and
+    the centre (k, 2) where it is an arc (else NaN).
+    """
+
+    points: Floats
+    feature: Bytes
+    laid: Floats
+    centre: Floats
+
+
+@dataclass(slots=True)
+class Plan:
+    """A layer's strokes as they come, and what is known once all have come."""
+
+    layer: Layer
+    area: shapely.Geometry
+    settings: PrintSettings
+    solid: bool
+    first: bool
+    joined: int = 0
+    least_retraced: float = 0.0
+    narrow_area: float = 0.0
+    here: Floats = field(default_factory=lambda: np.zeros(2))
+
+    def strokes(self, here: Floats) -> Iterator[Stroke]:
+        """The strokes in printing order, the first one from near `here` (2,), mm."""
+        self.here = here
+        if not self.layer.section.rings:
+            return
+        width = self.settings.bead_width
+        if self.first:
+            yield from self._around()
+        depths = perimeter_depths(self.settings)
+        innermost = inset(self.area, depths[-1])
+        self.narrow_area = narrow_area(self.area, depths[0])
+        outer = [
+            self._arced(loops_graph(loops(inset(self.area, depth)), PERIMETER), depth)
+            for depth in depths[:-1]
+        ]
+        graph, self.joined = with_short_edges_joined(
+            self._arced(self._cells_within(innermost, depths[-1]), depths[-1]),
+            self.settings.minimum_edge,
+        )
+        perimeter = graph.feature == PERIMETER
+        order = [*outer, graph]
+        if self.solid or self.settings.perimeter_order == "before":
+            order = [*outer, graph.only(perimeter), graph.only(~perimeter)]
+        elif self.settings.perimeter_order == "after":
+            order = [graph.only(~perimeter), graph.only(perimeter), *outer[::-1]]
+        for part in order[:-1] if self.solid else order:
+            yield from self._routed(part)
+        if self.solid:
+            angle = 45.0 if self.layer.index % 2 else -45.0
+            for line in hatch(inset(innermost, width / 2), width, angle):
+                yield self._moved_to(_line(line))
+
+    def _around(self) -> Iterator[Stroke]:
+        """Skirt and brim, from the outside in."""
+        settings, width = self.settings, self.settings.bead_width
+        outline = shapely.union_all(
+            [shapely.Polygon(part.exterior) for part in shapely.get_parts(self.area)]
+        )
+        edge = 0.0 if settings.contour == "inset" else width / 2
+        brim = math.ceil(settings.brim_width / width)
+        skirt = edge + brim * width + settings.skirt_distance
+        for number in reversed(range(settings.skirt_loops)):
+            yield from self._outside(outline, skirt + (number + 0.5) * width, SKIRT)
+        for number in reversed(range(brim)):
+            yield from self._outside(outline, edge + (number + 0.5) * width, BRIM)
+
+    def _outside(self, outline: shapely.Geometry, distance: float, what: int) -> Iterator[Stroke]:
+        grown = [shapely.Polygon(p.exterior) for p in shapely.get_parts(inset(outline, -distance))]
+        yield from self._routed(loops_graph(loops(shapely.union_all(grown)), what))
+
+    def _cells_within(self, innermost: shapely.Geometry, depth: float) -> PathGraph:
+        if depth == 0:
+            return diagram_graph(self.layer.diagram)
+        return trimmed(self.layer.diagram, innermost, loops(innermost))
+
+    def _arced(self, graph: PathGraph, depth: float) -> PathGraph:
+        return with_arcs(graph, self.layer.section, depth) if self.settings.arcs else graph
+
+    def _routed(self, graph: PathGraph) -> Iterator[Stroke]:
+        join = minimum_join(graph)
+        self.least_retraced += join.length
+        laid = graph.lengths()
+        if self.settings.overlap_compensation:
+            laid = laid - shared_length(graph, self.settings.bead_width)
+        for walk in walks(graph, self.settings.route, join, self.here, self.layer.tree):
+            yield self._moved_to(_stroke(graph, walk, laid))
+
+    def _moved_to(self, stroke: Stroke) -> Stroke:
+        self.here = stroke.points[-1]
+        return stroke
+
+
+def perimeter_depths(settings: PrintSettings) -> list[float]:
+    """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
+    outermost = 0.5 if settings.contour == "inset" else 0.0
+    return [(outermost + number) * settings.bead_width for number in range(settings.perimeters)]
+
+
+def narrow_area(area: shapely.Geometry, depth: float) -> float:
+    """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there."""
+    missed = float(area.area - inset(inset(area, depth), -depth).area)
+    return missed if missed > 1e-6 * area.area else 0.0
+
+
+def _stroke(graph: PathGraph, walk: Walk, laid: Floats) -> Stroke:
+    return Stroke(
+        graph.vertices[walk.vertices],
+        np.where(walk.extrudes, graph.feature[walk.edges], RETRACED).astype(np.int8),
+        np.where(walk.extrudes, laid[walk.edges], 0.0),
+        graph.centre[walk.edges],
+    )
+
+
+def _line(points: Floats) -> Stroke:
+    steps = np.diff(points, axis=0)
+    return Stroke(
+        points,
+        np.full(len(steps), SOLID, dtype=np.int8),
+        np.hypot(*steps.T),
+        np.full(steps.shape, np.nan),
+    )

@@ -1,0 +1,102 @@
+"""How layers are printed, in numbers, and what the user should know of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from v3dcad.geometry import arcs
+from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
+from v3dcad.toolpath.plan import Plan
+
+MOST_NAMED = 5
+"""Cells named in a finding; there may be thousands."""
+
+
+@dataclass(frozen=True, slots=True)
+class LayerReport:
+    """How one layer is printed; lengths in mm."""
+
+    layer: int
+    extruded: float
+    retraced: float
+    """passed a second time, along a bead, without extruding"""
+    travelled: float
+    """moved off the beads, in x and y"""
+    strokes: int
+    retractions: int
+    least_retraced: float
+    """the lower bound: no closed strokes over the layer's pieces retrace less"""
+    joined_edges: int
+    """edges left out for being shorter than `minimum_edge`"""
+    narrow_cells: tuple[int, ...]
+    """sites whose cells a bead fills: it is wider than twice their gap"""
+    narrow_area: float
+    """mm² of the section too narrow for a perimeter"""
+
+
+def layer_report(toolpath: Toolpath, before: Floats, strokes: int, plan: Plan) -> LayerReport:
+    """What a layer's toolpath, which began at `before` (3,), comes to."""
+    flat = np.vstack([before, toolpath.points])[:, :2]
+    length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
+    extruding = toolpath.kind == EXTRUDE
+    retracing = toolpath.feature == RETRACED
+    return LayerReport(
+        layer=plan.layer.index,
+        extruded=float(length[extruding].sum()),
+        retraced=float(length[retracing].sum()),
+        travelled=float(length[~extruding & ~retracing].sum()),
+        strokes=strokes,
+        retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
+        least_retraced=plan.least_retraced,
+        joined_edges=plan.joined,
+        narrow_cells=tuple(narrow_cells(plan.layer, plan.settings.bead_width).tolist()),
+        narrow_area=plan.narrow_area,
+    )
+
+
+def narrow_cells(layer: Layer, width: float) -> Ints:
+    """Site ids of the cells whose gap is less than half a bead of this width (mm).
+
+    A cell's gap is taken as 4 · area ÷ perimeter, which for a regular polygon is the diameter
+    of the circle inside it.
+    """
+    count = len(layer.state.sites)
+    areas = layer.diagram.areas(count)
+    lengths, inner = layer.diagram.lengths(), layer.diagram.inner()
+    around = np.bincount(layer.diagram.edge_sites[:, 1], lengths, count)
+    around += np.bincount(layer.diagram.edge_sites[inner, 0], lengths[inner], count)
+    return np.nonzero((around > 0) & (width * around > 8 * areas))[0]
+
+
+def findings(reports: Iterable[LayerReport]) -> list[str]:
+    """What the user should know of a print, a sentence each; nothing where all is well."""
+    narrow: dict[int, list[int]] = {}
+    unreached, unreached_on, joined = 0.0, 0, 0
+    for report in reports:
+        for site in report.narrow_cells:
+            narrow.setdefault(site, []).append(report.layer)
+        unreached += report.narrow_area
+        unreached_on += report.narrow_area > 0
+        joined += report.joined_edges
+    found = []
+    if narrow:
+        named = ", ".join(
+            f"cell {site} (layers {layers[0]} to {layers[-1]})"
+            for site, layers in list(narrow.items())[:MOST_NAMED]
+        )
+        more = f" and {len(narrow) - MOST_NAMED} more" if len(narrow) > MOST_NAMED else ""
+        found.append(
+            f"the bead is wider than twice the gap of {named}{more}: they print solid; "
+            "use a narrower bead, fewer sites or less offset"
+        )
+    if unreached:
+        found.append(
+            f"{unreached:.2f} mm² of {unreached_on} layers are too narrow for a bead and stay "
+            "empty; use a narrower bead, or --contour centre"
+        )
+    if joined:
+        found.append(f"{joined} edges shorter than --minimum-edge were joined to their neighbours")
+    return found
