@@ -28,7 +28,7 @@ def test_scripting_guide_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (snippet,) = re.findall(r"```cadquery\n(.*?)```", GUIDE, re.S)
-    Path("guide.py").write_text(snippet)
+    Path("guide.py").write_text(snippet, encoding="utf-8")
     made = runpy.run_path("guide.py")
     whole = made["plate"].val().Volume()
     assert sum(cell.Volume() for cell in made["cells"].vals()) == pytest.approx(whole, rel=1e-8)

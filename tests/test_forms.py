@@ -92,7 +92,7 @@ def test_forms_come_back_from_step_and_brep(
     assert sum(map(measure, shapes.values())) == pytest.approx(expected, rel=1e-6)
     structure.write_step(tmp_path / "b.step", form, **sizes)
     assert (tmp_path / "a.step").read_bytes() == (tmp_path / "b.step").read_bytes()
-    assert "COLOUR_RGB" in (tmp_path / "a.step").read_text()
+    assert "COLOUR_RGB" in (tmp_path / "a.step").read_text(encoding="utf-8")
     structure.write_brep(tmp_path / "a.brep", form, **sizes)
     again = TopoDS_Shape()
     BRepTools.Read_s(again, str(tmp_path / "a.brep"), BRep_Builder())
@@ -201,7 +201,7 @@ def test_beams_are_the_struts(structure: Structure, tmp_path: Path) -> None:
 
 def test_svg_shows_every_edge(structure: Structure, tmp_path: Path) -> None:
     structure.write_svg(tmp_path / "a.svg", layer=-1)
-    text = (tmp_path / "a.svg").read_text()
+    text = (tmp_path / "a.svg").read_text(encoding="utf-8")
     *_, last = structure.layers
     number = r"(-?[\d.]+)"
     rows = re.findall(rf"M{number} {number}L{number} {number}", text)

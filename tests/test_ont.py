@@ -54,7 +54,7 @@ def test_round_trip(name: str, boundary: str, samples: Path, tmp_path: Path) -> 
     again.write_ont(tmp_path / "b.ont", boundary)
     assert (tmp_path / "a.ont").read_bytes() == (tmp_path / "b.ont").read_bytes()
     if boundary == "stl":
-        offset, height, sites, mesh = algorithm_10((tmp_path / "a.ont").read_text())
+        offset, height, sites, mesh = algorithm_10((tmp_path / "a.ont").read_text(encoding="utf-8"))
         assert (offset, height) == (0.3, structure.settings.layer_height)
         assert np.array(sites)[:, :2].tobytes() == structure.places.tobytes()
         assert isinstance(recipe.boundary, Mesh)
@@ -93,7 +93,7 @@ def test_the_same_in_a_second_process(bracket: Path) -> None:
     code = f"import v3dcad; print(v3dcad.fill({str(bracket)!r}, verify=False).checksum().sha256)"
     root = Path(v3dcad.__file__).parents[1]
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root
+        [sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=True, cwd=root
     )
     written = v3dcad.read_ont(bracket).checksum
     assert written is not None
@@ -115,7 +115,7 @@ def test_another_structure_than_was_written_is_an_error(bracket: Path, tmp_path:
         recipe.checksum, walls=recipe.checksum.walls + 1, topology="0" * 8, sha256="0" * 64
     )
     path = tmp_path / "wrong.ont"
-    path.write_text(ont_text(replace(recipe, checksum=wrong), "exact"))
+    path.write_text(ont_text(replace(recipe, checksum=wrong), "exact"), encoding="utf-8")
     with pytest.raises(FormatError, match=r"wrong.ont, section \[CHECKSUM\].*other topology") as e:
         v3dcad.fill(path)
     assert f"{recipe.checksum.walls} walls instead of {wrong.walls}" in str(e.value)
@@ -162,7 +162,9 @@ def test_a_file_in_the_thesis_s_form_is_placed_and_has_nothing_to_compare(tmp_pa
 
     text = "[OFFSET_VALUE]\n0.001\n[LAYER_HEIGHT]\n0.1\n[VORONOI_SEED_COORDINATES]\n"
     text += "".join(f"{x},{y},{z}\n" for x, y, z in SITES - 0.3)
-    (tmp_path / "a.ont").write_text(f"{text}[BREP_PART_STL]\n{ascii_stl(TETRAHEDRON, 'mesh')}")
+    (tmp_path / "a.ont").write_text(
+        f"{text}[BREP_PART_STL]\n{ascii_stl(TETRAHEDRON, 'mesh')}", encoding="utf-8"
+    )
     structure = v3dcad.fill(tmp_path / "a.ont")
     assert structure.placement.translation.tolist() == [-0.5, -0.5, 0]
     assert len(structure.layers) == 4

@@ -24,7 +24,7 @@ def test_every_file_can_be_written_of_it(samples: Path, tmp_path: Path) -> None:
     for kind in ("ont", "gcode", "step", "png", "report"):
         getattr(structure, f"write_{kind}")(tmp_path / f"a.{kind}")
         assert (tmp_path / f"a.{kind}").stat().st_size > 1000
-    report = json.loads((tmp_path / "a.report").read_text())
+    report = json.loads((tmp_path / "a.report").read_text(encoding="utf-8"))
     layers = [layer for layer in structure.layers if isinstance(layer, ThesisLayer)]
     assert report["settings"]["method"] == "thesis"
     births = [(row["layer"], row["site"]) for row in report["births"]]
@@ -59,12 +59,12 @@ def test_what_only_the_continuous_method_has_is_refused(samples: Path) -> None:
 def test_interpolation_from_the_command_line(samples: Path, tmp_path: Path) -> None:
     """Two sites: a straight wall between them, on every layer."""
     csv = tmp_path / "sites.csv"
-    csv.write_text("-5,0\n5,0\n")
+    csv.write_text("-5,0\n5,0\n", encoding="utf-8")
     fill = ("fill", samples / "pyramid.stl", "--method", "thesis", "--interpolate")
     given = ("--sites-file", csv, "--layer-height", 5, "--offset", 0.5)
     done = run(*fill, *given, "--report", tmp_path / "a.json")
     assert done.returncode == 0, done.stderr
-    report = json.loads((tmp_path / "a.json").read_text())
+    report = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert report["layers"] == 10
     assert [row["walls"] for row in report["by_layer"]] == [1] * 10
 

@@ -94,7 +94,9 @@ class Structure(Forms):
             return self.filling.walls  # which says why there are none
         # An empty section above the top lets the walls go on from the last layer to there.
         above = Section(float(self.part.bounds[1, 2]) + 1.0, ())
-        filling = fill_sections([*self.filling.sections, above], self.sites, self.settings)
+        filling = fill_sections(
+            [*self.filling.sections, above], self.sites, self.settings, self.part.bounds[:, :2]
+        )
         assert isinstance(filling, Filling)
         walls, everyone = filling.walls, filling.history.sites.by_site()
         places = filling.grid.millimetres(everyone.places)
@@ -158,7 +160,10 @@ class Structure(Forms):
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
         toolpaths = trace(self.layers, settings, reports.append)
-        with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
+        with (
+            written_beside(Path(path)) as beside,
+            beside.open("w", encoding="utf-8", newline="\n") as stream,
+        ):
             totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
         return Print(totals, reports, findings(reports))
 
@@ -226,10 +231,10 @@ def build(part: Part, settings: FillSettings, sites: Floats | density | None = N
         )
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
     if settings.method == "thesis" and settings.interpolate:
-        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
+        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings, rectangle)
         assert isinstance(ends, ThesisFilling)
         return Structure(part, placement, ends, lofted(ends, heights), sites)
-    filling = fill_sections(part.sections(heights), sites, settings)
+    filling = fill_sections(part.sections(heights), sites, settings, rectangle)
     return Structure(part, placement, filling, filling.layers, sites)
 
 

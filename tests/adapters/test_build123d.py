@@ -69,5 +69,7 @@ def test_a_missing_library_is_named_with_the_pip_line(library: str, line: str) -
         f"try:\n    import v3dcad.adapters.{library}\n"
         "except ImportError as error: print(error)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=True
+    )
     assert line in done.stdout

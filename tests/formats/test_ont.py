@@ -311,7 +311,7 @@ def test_a_bomb_takes_no_more_memory_than_it_announces() -> None:
 
 def test_too_long_a_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ont, "MOST_BYTES", 100)
-    (tmp_path / "a.ont").write_text(STL)
+    (tmp_path / "a.ont").write_text(STL, encoding="utf-8")
     with pytest.raises(FormatError, match="larger than the 100 bytes"):
         read_ont(tmp_path / "a.ont")
 
