@@ -84,7 +84,7 @@ def test_imports_run_downward(path: Path) -> None:
 def loaded_by(code: str) -> set[str]:
     show = "import sys; print(' '.join({name.split('.')[0] for name in sys.modules}))"
     done = subprocess.run(
-        [sys.executable, "-c", f"{code}\n{show}"], capture_output=True, text=True, check=True
+        [sys.executable, "-c", f"{code}\n{show}"], capture_output=True, encoding="utf-8", check=True
     )
     return set(done.stdout.splitlines()[-1].split())
 
