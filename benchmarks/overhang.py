@@ -1,7 +1,7 @@
 """The certificate of overhang against points sampled on the walls: `python -m benchmarks.overhang`.
 
 For the six cases of the layer loop: the largest distance of a layer's walls to what lies below,
-as certified and as sampled every `SPACING` mm, and the tilts.
+as certified and as sampled every thousandth of the part's size, and the tilts.
 """
 
 from __future__ import annotations
@@ -17,27 +17,26 @@ from v3dcad import FillSettings, fill_sections
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.overhang import overhang, section_area
 
-SPACING = 0.1
 MOST = 45_000
 """Sites times layers looked at in each case, from the base up: what the sampling can bear."""
 
 
-def sampled(layer: Layer, below: Layer) -> float:
+def sampled(layer: Layer, below: Layer, spacing: float) -> float:
     """The largest distance of sampled points on a layer's walls, over the section below."""
     lines = shapely.multilinestrings(list(below.diagram.vertices[below.diagram.edges]))
     shapely.prepare(lines)
     inner = layer.diagram.inner()
     ends = layer.diagram.vertices[layer.diagram.edges[inner]]
-    points = np.concatenate([_along(segment) for segment in ends] or [np.empty((0, 2))])
+    points = np.concatenate([_along(segment, spacing) for segment in ends] or [np.empty((0, 2))])
     area = section_area(below.section)
     shapely.prepare(area)
     points = points[shapely.contains_xy(area, points)]
     return float(shapely.distance(lines, shapely.points(points)).max(initial=0.0))
 
 
-def _along(segment: Floats) -> Floats:
+def _along(segment: Floats, spacing: float) -> Floats:
     length = np.hypot(*(segment[1] - segment[0]))
-    t = np.linspace(0, 1, 2 + int(length / SPACING))[:, None]
+    t = np.linspace(0, 1, 2 + int(length / spacing))[:, None]
     return (1 - t) * segment[0] + t * segment[1]
 
 
@@ -54,7 +53,7 @@ def main() -> None:
         began = time.perf_counter()
         told = overhang(made, 0.8)
         spent = time.perf_counter() - began
-        found = max(sampled(layer, below) for below, layer in pairwise(made))
+        found = max(sampled(layer, below, size / 1000) for below, layer in pairwise(made))
         certified = told.distance.max()
         print(
             f"{name:>8} {count:6} {len(made):6} {told.wall_tilt.max():7.1f} "

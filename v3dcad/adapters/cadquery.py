@@ -9,9 +9,10 @@ from v3dcad.adapters.form import shape_of
 try:
     from cadquery import Compound, Shape, Workplane
 except ImportError as error:
-    raise ImportError(
-        f"cadquery cannot be imported ({error}): run `pip install 'v3dcad[cadquery]'`"
-    ) from error
+    # The OCP that build123d brings lacks VTK; where it was installed last, it lies over CadQuery's.
+    over = "IVtk" in str(error)
+    line = "--force-reinstall --no-deps cadquery-ocp" if over else "'v3dcad[cadquery]'"
+    raise ImportError(f"cadquery cannot be imported ({error}): run `pip install {line}`") from error
 
 
 def voronoiFill(self: Workplane, form: str = "solid", **settings: Any) -> Workplane:  # noqa: N802

@@ -1,4 +1,4 @@
-"""Triangle meshes united, intersected and subtracted by manifold3d: watertight, or an error."""
+"""Triangle meshes united and subtracted by manifold3d: watertight, or an error."""
 
 from __future__ import annotations
 
@@ -24,11 +24,6 @@ def subtracted(body: Mesh, tools: Sequence[Mesh]) -> Mesh:
     return checked_mesh(
         Manifold.batch_boolean([manifold(body), *map(manifold, tools)], OpType.Subtract)
     )
-
-
-def intersected(body: Mesh, other: Mesh) -> Mesh:
-    """What two closed meshes both hold."""
-    return checked_mesh(manifold(body) ^ manifold(other))
 
 
 def manifold(body: Mesh | Manifold) -> Manifold:
