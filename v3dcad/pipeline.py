@@ -247,18 +247,12 @@ def fill(
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
-        `source` is a path (STEP, STL, BREP, `.ont`), a `Recipe`, a shape of build123d, CadQuery or
-        OCP, or a pair (vertices, triangles). `sites` is how many to scatter, their places (n, 2)
-        in mm, bed coordinates, or their `density`. Further settings are the fields of
-    <<<<<<< HEAD
-        `FillSettings`. What a recipe says is taken from it, unless given here; where nothing is,
-        the structure must have the recipe's check sum (`verify=False`: need not). Raises
-        `V3dcadError`s that say what to do.
-    =======
-        `FillSettings`. What a recipe says is taken from it, unless given here; where nothing is, the
-        structure must have the recipe's check sum (`verify=False`: need not). Raises `V3dcadError`s
-        that say what to do.
-    >>>>>>> brep
+    `source` is a path (STEP, STL, BREP, `.ont`), a `Recipe`, a shape of build123d, CadQuery or
+    OCP, or a pair (vertices, triangles). `sites` is how many to scatter, their places (n, 2)
+    in mm, bed coordinates, or their `density`. Further settings are the fields of
+    `FillSettings`. What a recipe says is taken from it, unless given here; where nothing is,
+    the structure must have the recipe's check sum (`verify=False`: need not). Raises
+    `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
         source = read_ont(source)
