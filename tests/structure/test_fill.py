@@ -301,3 +301,17 @@ def test_an_empty_section_is_an_empty_layer():
     layers = list(fill_sections(sections, np.array([[1.0, 1], [2, 2]]), FillSettings()).layers)
     assert len(layers[3].diagram.edges) == 0
     assert len(layers[4].diagram.edges) > 0
+
+
+def test_births_on_a_part_that_stands_on_a_point():
+    """An empty first layer is no measure: each site's share of the base rectangle is."""
+    rings = [SQUARE * share + 5 * (1 - share) for share in np.linspace(0.1, 1, 40)]
+    sections = [Section(0.0, ()), *(Section(0.2 * k + 0.2, (r,)) for k, r in enumerate(rings))]
+    sites = scatter_sites(np.array([[0.0, 0], [10, 10]]), 40, 1)
+    filling = fill_sections(sections, sites, FillSettings())
+    layers = list(filling.layers)
+    assert layers[0].area_per_cell == 0
+    assert len(filling.births) > 5
+    share = 100 / 40
+    births = np.bincount(filling.births[:, 0], minlength=len(layers))
+    assert all(layer.area_per_cell > share * 0.5 for layer in layers if births[layer.index])

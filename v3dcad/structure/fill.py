@@ -239,13 +239,15 @@ class Filling:
             return
         course = self._course(self._start, self._heights)
         while index < len(sections):
-            # The first layer by itself: what it has of area per cell is the measure for births.
+            # The first layer by itself: what it has of area per cell is the measure for births;
+            # where the part stands on a point or an edge, what each site has of the base rectangle.
             vertices = 2 * len(self._start.places) + sum(map(len, sections[index].rings))
             some = max(1, min(AT_ONCE, VERTICES_AT_ONCE // vertices)) if index else 1
             for layer in course.run(sections[index : index + some], index, full_cell):
                 yield layer
             if index == 0 and self.settings.insertion and self.growth_step > 0:
-                full_cell = layer.area_per_cell or np.inf
+                rectangle = float(np.prod(self.box[2] - self.box[0]))
+                full_cell = layer.area_per_cell or rectangle / len(self._start.places)
             index += some
         self._history = History(course.sites(), course.tracks())
 
