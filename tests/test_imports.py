@@ -23,13 +23,24 @@ MAY_IMPORT = {
     "toolpath": INSIDE | {"toolpath"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE | RIM | {"files", "parts", "report", "structure", "toolpath"},
     "options": {"settings"},
     "commands": INSIDE
-    | {"commands", "files", "formats", "options", "parts", "pipeline", "report", "structure"},
+    | {
+        "commands",
+        "files",
+        "formats",
+        "options",
+        "parts",
+        "pipeline",
+        "report",
+        "slicing",
+        "structure",
+    },
     "cli": {"commands", "errors"},
-    "__init__": INSIDE | {"pipeline", "structure"},
+    "__init__": INSIDE | {"parts", "pipeline", "slicing", "structure"},
 }
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -81,7 +92,7 @@ def test_help_loads_nothing_heavy_not_even_numpy() -> None:
     code = """
 import sys
 from v3dcad.cli import app
-for words in (["--help"], ["fill", "--help"]):
+for words in (["--help"], ["fill", "--help"], ["slice", "--help"]):
     try:
         app(words)
     except SystemExit as stop:

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
         V3dcadError,
     )
     from v3dcad.model import Section
+    from v3dcad.parts import part_from
     from v3dcad.pipeline import Structure, build, fill
     from v3dcad.settings import FillSettings, PrintSettings
+    from v3dcad.slicing import Sections, place_on_bed, section
     from v3dcad.structure.fill import fill_sections
 
 _HOME = {
@@ -31,12 +33,16 @@ _HOME = {
     "MissingKernelError": "errors",
     "PrintSettings": "settings",
     "Section": "model",
+    "Sections": "slicing",
     "SettingError": "errors",
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
+    "part_from": "parts",
+    "place_on_bed": "slicing",
+    "section": "slicing",
 }
 
 __all__ = [
@@ -47,12 +53,16 @@ __all__ = [
     "MissingKernelError",
     "PrintSettings",
     "Section",
+    "Sections",
     "SettingError",
     "Structure",
     "V3dcadError",
     "build",
     "fill",
     "fill_sections",
+    "part_from",
+    "place_on_bed",
+    "section",
 ]
 
 

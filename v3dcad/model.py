@@ -7,6 +7,7 @@ by identity; their arrays cannot be written to. `docs` of each field give shape 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Protocol
 
@@ -66,18 +67,34 @@ class Placement(Value):
     translation: Floats
     """(3,) mm"""
 
+    @classmethod
+    def none(cls) -> Placement:
+        """No motion at all."""
+        return cls(np.eye(3), np.zeros(3))
+
+    def then(self, other: Placement) -> Placement:
+        """Both motions, this one first."""
+        return Placement(
+            other.rotation @ self.rotation, other.rotation @ self.translation + other.translation
+        )
+
     def to_bed(self, points: Floats) -> Floats:
         """The points (n, 3), given where the source lies, in bed coordinates."""
-        turned: Floats = points if self._is_shift() else points @ self.rotation.T
+        turned: Floats = points if self.is_shift() else points @ self.rotation.T
         return turned + self.translation
 
     def to_source(self, points: Floats) -> Floats:
         """The points (n, 3), given in bed coordinates, where the source lies."""
         moved: Floats = points - self.translation
-        return moved if self._is_shift() else moved @ self.rotation
+        return moved if self.is_shift() else moved @ self.rotation
 
-    def _is_shift(self) -> bool:
+    def is_shift(self) -> bool:
+        """Whether nothing is turned."""
         return bool(np.array_equal(self.rotation, np.eye(3)))
+
+    def is_still(self) -> bool:
+        """Whether nothing is moved at all."""
+        return self.is_shift() and not self.translation.any()
 
 
 class Run(NamedTuple):
@@ -123,17 +140,30 @@ class Part(Protocol):
     def findings(self) -> tuple[str, ...]:
         """What the user should know of how it was read: what was left out or mended."""
 
+    @property
+    def placement(self) -> Placement:
+        """How it came to where it is from where its source lies."""
+
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
+
+    def normal(self, face: int) -> Floats:
+        """(3,) outward unit normal of a plane face, or of a triangle, by its number from 0.
+
+        `SettingError` where there is no such face, or it is not plane.
+        """
 
     def placed(self, placement: Placement) -> Part:
         """The same part, moved."""
 
-    def sections(self, heights: Floats) -> Sequence[Section]:
-        """Its sections at ascending heights (mm).
+    def sections(
+        self, heights: Floats, chord_tolerance: float = ..., executor: Executor | None = None
+    ) -> Sequence[Section]:
+        """Its sections at ascending heights (mm), rings within `chord_tolerance` (mm).
 
-        Each is the limit from below, but for the section at the part's base (z = 0), which is
-        the limit from above.
+        Each is the limit from below, but for the section at the part's base, which is the limit
+        from above. With an executor several planes are computed at a time; the results are the
+        same.
         """
 
     def mesh(self) -> Mesh:

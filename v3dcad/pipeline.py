@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Collection, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -167,14 +168,20 @@ class Structure:
         return told
 
 
-def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> Structure:
+def build(
+    part: Part,
+    settings: FillSettings,
+    sites: Floats | None = None,
+    executor: Executor | None = None,
+) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, take the place of the scatter. Raises `SettingError`
-    where settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
+    `sites` (n, 2), mm in bed coordinates, take the place of the scatter. An executor computes
+    several sections at a time. Raises `SettingError` where settings do not fit the part,
+    `GeometryError` or `KernelError` where it cannot be cut.
     """
-    placement = on_bed(part.bounds)
-    part = part.placed(placement)
+    part = part.placed(on_bed(part.bounds, settings.base_clearance))
+    placement = part.placement
     rectangle = part.bounds[:, :2]
     if sites is None:
         sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
@@ -186,39 +193,51 @@ def build(part: Part, settings: FillSettings, sites: Floats | None = None) -> St
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
-    if settings.method == "thesis" and settings.interpolate:
-        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings)
-        assert isinstance(ends, ThesisFilling)
-        return Structure(part, placement, ends, lofted(ends, heights))
-    filling = fill_sections(part.sections(heights), sites, settings)
+    lofts = settings.method == "thesis" and settings.interpolate
+    planes = np.unique(heights[[0, -1]]) if lofts else heights
+    sections = part.sections(planes, settings.chord_tolerance, executor)
+    filling = fill_sections(sections, sites, settings)
+    if lofts:
+        assert isinstance(filling, ThesisFilling)
+        return Structure(part, placement, filling, lofted(filling, heights))
     return Structure(part, placement, filling, filling.layers)
 
 
 def fill(
-    source: Any, *, sites: int | Sequence[Sequence[float]] | Floats | None = None, **settings: Any
+    source: Any,
+    *,
+    sites: int | Sequence[Sequence[float]] | Floats | None = None,
+    executor: Executor | None = None,
+    **settings: Any,
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
-    `source` is a path (STEP, STL, BREP, `.ont`), a shape of build123d, CadQuery or OCP, or a
-    pair (vertices, triangles). `sites` is how many to scatter, or their places (n, 2) in mm,
-    bed coordinates. Further settings are the fields of `FillSettings`. What an `.ont` file
-    says is taken from it, unless given here. Raises `V3dcadError`s that say what to do.
+    `source` is a path (STEP, STL, 3MF, OBJ, BREP, `.ont`), a part of `part_from` or
+    `place_on_bed`, a shape of build123d, CadQuery or OCP, or a pair (vertices, triangles). `sites`
+    is how many to scatter, or their places (n, 2) in mm, bed coordinates. An executor (of
+    threads, of processes, a cluster's) computes several sections at a time. Further settings are
+    the fields of `FillSettings`. What an `.ont` file says is taken from it, unless given here.
+    Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
-        return _fill_recipe(Path(source), sites, settings)
+        return _fill_recipe(Path(source), sites, executor, settings)
     if sites is None or isinstance(sites, int):
         chosen = _settings(settings if sites is None else {**settings, "sites": sites})
-        return build(part_from(source), chosen)
+        return build(part_from(source), chosen, None, executor)
     explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
-    return build(part_from(source), _settings({**settings, "sites": len(explicit)}), explicit)
+    chosen = _settings({**settings, "sites": len(explicit)})
+    return build(part_from(source), chosen, explicit, executor)
 
 
-def _fill_recipe(path: Path, sites: Any, settings: dict[str, Any]) -> Structure:
+def _fill_recipe(
+    path: Path, sites: Any, executor: Executor | None, settings: dict[str, Any]
+) -> Structure:
     recipe = read_recipe(path)
     known = {"offset": recipe.offset, "layer_height": recipe.layer_height}
     if sites is None:
         sites = recipe.sites[:, :2]
-    return fill(MeshPart(recipe.name, recipe.boundary), sites=sites, **{**known, **settings})
+    part = MeshPart(recipe.name, recipe.boundary)
+    return fill(part, sites=sites, executor=executor, **{**known, **settings})
 
 
 def _settings(chosen: dict[str, Any]) -> FillSettings:

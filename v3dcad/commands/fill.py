@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
@@ -28,7 +29,7 @@ OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write jus
 
 @with_options(FillSettings, PrintSettings)
 def fill(
-    part: Annotated[Path, typer.Argument(metavar="PART", help="STEP, STL, BREP or .ont file.")],
+    part: PartFile,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for all five files.")
     ] = None,
@@ -45,6 +46,10 @@ def fill(
     step: OutputFile = None,
     png: OutputFile = None,
     report: OutputFile = None,
+    rotate: Rotate = None,
+    up: Up = None,
+    repair: Repair = False,
+    as_brep: AsBrep = False,
     **settings: Any,
 ) -> None:
     """Fill PART and write .ont, G-code, STEP, a picture and a report."""
@@ -62,7 +67,8 @@ def fill(
         chosen["sites"] = read_sites(sites_file)
     with Progress() as progress:
         progress.start("reading and cutting the part")
-        structure = fill_part(part, **chosen)
+        source = part_of(part, rotate, up, repair, as_brep) or part
+        structure = fill_part(source, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
@@ -137,7 +143,7 @@ def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
     ]
 
 
-def info(file: Annotated[Path, typer.Argument(help="STEP, STL, BREP or .ont file.")]) -> None:
+def info(file: PartFile) -> None:
     """Tell what a part or an .ont file holds."""
     from v3dcad.parts import describe
 

@@ -14,6 +14,7 @@ would be passed to and fro: both ways are left out.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,9 @@ SNAP = 1e-9
 BASE = 1e-6
 """mm: a plane this close to a part's lowest height is at its base, whose height the placing of
 the part knows no better."""
+
+SHARE = 64
+"""Planes given to an executor at a time."""
 
 BATCH = 4_000_000
 """Crossings held at a time: bounds the memory of a tall part with many planes."""
@@ -58,13 +62,18 @@ class Crossings(NamedTuple):
     """(r,) the plane of each ring, ascending"""
 
 
-def section_mesh(mesh: Mesh, heights: Floats) -> list[Section]:
+def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) -> list[Section]:
     """Sections of a closed mesh at ascending heights (k,), mm.
 
     Each is the limit from below, at the mesh's lowest height from above. Duplicate points,
-    crests passed to and fro and rings without area are dropped. `GeometryError` where the mesh
-    is open or heights do not ascend.
+    crests passed to and fro and rings without area are dropped. With an executor several planes
+    are computed at a time; the results are the same. `GeometryError` where the mesh is open or
+    heights do not ascend.
     """
+    if executor is not None:
+        check_heights(heights)
+        waiting = [executor.submit(section_mesh, mesh, share) for share in shares(heights)]
+        return [section for share in waiting for section in share.result()]
     sections = []
     edges = mesh_edges(mesh.triangles)
     first = 0
@@ -166,6 +175,11 @@ def check_heights(heights: Floats) -> None:
     """Raise `GeometryError` unless heights (k,) are finite and ascend."""
     if np.any(~np.isfinite(heights)) or np.any(np.diff(heights) < 0):
         raise GeometryError("section heights: give finite heights in ascending order")
+
+
+def shares(heights: Floats) -> list[Floats]:
+    """The heights (k,) in the shares that an executor is given."""
+    return np.split(heights, np.arange(SHARE, len(heights), SHARE))
 
 
 def plane_levels(heights: Floats, lowest: float) -> Floats:

@@ -14,7 +14,6 @@ from concurrent.futures import Executor
 import numpy as np
 from numba import njit
 
-from v3dcad.errors import SettingError
 from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, POINTS, conic_at
 from v3dcad.geometry.curves import LINE
 from v3dcad.geometry.mesh_section import (
@@ -24,19 +23,18 @@ from v3dcad.geometry.mesh_section import (
     check_heights,
     cross_planes,
     is_thin,
+    shares,
 )
 from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Ints, Mesh, Run, Section
+from v3dcad.settings import SectionSettings
 
-CHORD_TOLERANCE = 0.005
+CHORD_TOLERANCE = SectionSettings().chord_tolerance
 """mm: how far a ring's chords may lie from the true section."""
 
 MOST_HALVINGS = 10
 """Of the stretch between two mesh edges."""
-
-SHARE = 64
-"""Planes given to an executor at a time."""
 
 CURVES = ("points", "line", "circle", "ellipse")
 
@@ -55,16 +53,11 @@ def section_surface(
     `SettingError` for a tolerance that is not above 0, `GeometryError` where heights do not
     ascend.
     """
-    if not 0 < chord_tolerance < np.inf:
-        raise SettingError(
-            "chord_tolerance",
-            f"--chord-tolerance {chord_tolerance}: give a number above 0 mm",
-        )
+    SectionSettings(chord_tolerance=chord_tolerance)  # checks it
     check_heights(heights)
     if executor is None:
         return _cut(mesh, heights, chord_tolerance)
-    shares = np.split(heights, np.arange(SHARE, len(heights), SHARE))
-    waiting = [executor.submit(_cut_all, mesh, share, chord_tolerance) for share in shares]
+    waiting = [executor.submit(_cut_all, mesh, share, chord_tolerance) for share in shares(heights)]
     return (section for share in waiting for section in share.result())
 
 

@@ -3,24 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.GeomAbs import GeomAbs_Plane
 from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
-from v3dcad.errors import KernelError
+from v3dcad.errors import KernelError, SettingError
+from v3dcad.geometry.surface_mesh import SurfaceMesh
+from v3dcad.geometry.surface_section import CHORD_TOLERANCE
+from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes
 from v3dcad.model import Floats, Mesh, Placement, Section
 
 TESSELLATION = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
+
+
+HERE = Placement.none()
+
+
+@lru_cache(maxsize=4)
+def prepared(shape: TopoDS_Shape) -> SurfaceMesh:
+    """The mesh that sections of a shape are made from, made once for each of the last shapes."""
+    return surface_mesh(shape)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,6 +49,8 @@ class SolidPart:
     bounds: Floats
     findings: tuple[str, ...] = ()
     """what the user should know of how the file was read"""
+    placement: Placement = HERE
+    """how it came to where it is from where its source lies"""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -44,14 +62,34 @@ class SolidPart:
             "volume": f"{properties.Mass():.6g} mm³",
         }
 
-    def placed(self, placement: Placement) -> SolidPart:
-        """The same solids, moved."""
-        shape = self.shape.Moved(location(placement))
-        return SolidPart(self.name, shape, bounds(shape), self.findings)
+    def normal(self, face: int) -> Floats:
+        """(3,) outward unit normal of a plane face, by its number from 0."""
+        faces = list(subshapes(self.shape, FACE))
+        if not 0 <= face < len(faces):
+            raise SettingError("up", f"--up {face}: the part's faces are 0 to {len(faces) - 1}")
+        surface = BRepAdaptor_Surface(TopoDS.Face_s(faces[face]))
+        if surface.GetType() != GeomAbs_Plane:
+            raise SettingError("up", f"--up {face}: this face is not plane; name another")
+        frame = surface.Plane().Position()
+        axis = np.cross(frame.XDirection().Coord(), frame.YDirection().Coord())
+        return -axis if faces[face].Orientation() == TopAbs_REVERSED else axis
 
-    def sections(self, heights: Floats) -> Sequence[Section]:
+    def placed(self, placement: Placement) -> SolidPart:
+        """The same solids, moved; where they are only shifted, their bounds go with them."""
+        if placement.is_still():
+            return self
+        shape = self.shape.Moved(location(placement))
+        box = placement.to_bed(self.bounds) if placement.is_shift() else true_bounds(shape)
+        return replace(self, shape=shape, bounds=box, placement=self.placement.then(placement))
+
+    def sections(
+        self,
+        heights: Floats,
+        chord_tolerance: float = CHORD_TOLERANCE,
+        executor: Executor | None = None,
+    ) -> Sequence[Section]:
         """Sections of the exact surfaces at ascending heights (mm)."""
-        return list(section_solids(self.shape, heights))
+        return list(section_solids(prepared(self.shape), heights, chord_tolerance, executor))
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""
@@ -83,4 +121,16 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
     findings = (f"{stray} faces belong to no solid and were left out",) if stray else ()
     solid = compound(solids)
-    return SolidPart(name, solid, bounds(solid), findings)
+    try:
+        box = true_bounds(solid)
+    except KernelError as error:
+        raise KernelError(f"{where}: {error}") from error
+    return SolidPart(name, solid, box, findings)
+
+
+def true_bounds(shape: TopoDS_Shape) -> Floats:
+    """(2, 3) least and greatest coordinates of solids, mm; z to rounding, as sections have it."""
+    box = bounds(shape)
+    heights = prepared(shape).nodes[:, 2]
+    box[:, 2] = heights.min(), heights.max()
+    return box
