@@ -38,15 +38,10 @@ def part_of(
     from v3dcad.slicing import place_on_bed
 
     if file.suffix.lower() in ONT:
-        for name, value in {
-            "rotate": rotate,
-            "up": up,
-            "repair": repair,
-            "as_brep": as_brep,
-        }.items():
-            if value:
-                option = "--" + name.replace("_", "-")
-                raise SettingError(name, f"{option}: an .ont file holds its part as it was filled")
+        options = {"rotate": rotate, "up": up, "repair": repair, "as_brep": as_brep}
+        for name in (name for name, value in options.items() if value):
+            message = f"{option(name)}: an .ont file holds its part as it was filled"
+            raise SettingError(name, message)
         return None
     part = part_from(file, repair=repair, as_brep=as_brep)
     if rotate is None and up is None:

@@ -10,10 +10,12 @@ from functools import lru_cache
 import numpy as np
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.GeomAbs import GeomAbs_Plane
 from OCP.GProp import GProp_GProps
+from OCP.ShapeFix import ShapeFix_Shape
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
@@ -23,7 +25,7 @@ from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_section import CHORD_TOLERANCE
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
-from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes
+from v3dcad.kernel.shapes import FACE, SHELL, SOLID, bounds, compound, location, subshapes
 from v3dcad.model import Floats, Mesh, Placement, Section
 
 TESSELLATION = 0.05
@@ -114,18 +116,49 @@ class SolidPart:
 
 
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
-    """The solids of any shape as a part; `KernelError` naming `where` if it holds none."""
+    """The solids of any shape as a part, healed where OCCT finds faults in them.
+
+    Findings say what was left out and what was healed. `KernelError`, naming `where`, if the
+    shape holds no solid, or one that is not closed.
+    """
     solids = list(subshapes(shape, SOLID))
     if not solids:
-        raise KernelError(f"{where}: holds no solid, only a solid can be filled; export a solid")
+        raise KernelError(f"{where}: holds no solid, {_instead(shape)}; export a solid")
     stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
-    findings = (f"{stray} faces belong to no solid and were left out",) if stray else ()
-    solid = compound(solids)
+    findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
+    solid = _healed(compound(solids), findings)
     try:
         box = true_bounds(solid)
     except KernelError as error:
         raise KernelError(f"{where}: {error}") from error
-    return SolidPart(name, solid, box, findings)
+    return SolidPart(name, solid, box, tuple(findings))
+
+
+def _instead(shape: TopoDS_Shape) -> str:
+    """What there is where a solid should be."""
+    faces = sum(1 for _ in subshapes(shape, FACE))
+    if not faces:
+        return "and no face either"
+    shells = list(subshapes(shape, SHELL))
+    if shells and all(BRep_Tool.IsClosed_s(shell) for shell in shells):
+        return f"only {len(shells)} closed shells of {faces} faces that nothing calls a solid"
+    return f"only a sheet of {faces} faces that encloses nothing"
+
+
+def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
+    """The solids as they are where OCCT finds no fault, or else as ShapeFix mends them."""
+    if BRepCheck_Analyzer(solid).IsValid():
+        return solid
+    fix = ShapeFix_Shape(solid)
+    fix.Perform()
+    mended = fix.Shape()
+    if next(subshapes(mended, SOLID), None) is None:
+        mended = solid
+    if BRepCheck_Analyzer(mended).IsValid():
+        findings.append("OCCT found faults in the shape and healed them")
+    else:
+        findings.append("OCCT finds faults in the shape that it cannot heal: look at the sections")
+    return mended
 
 
 def true_bounds(shape: TopoDS_Shape) -> Floats:
