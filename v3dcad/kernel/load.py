@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from OCP.BinTools import BinTools
@@ -38,7 +39,12 @@ def load_step(path: Path) -> SolidPart:
     reader = STEPControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.TransferRoots():
         raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
-    return solid_part(reader.OneShape(), path.stem, str(path))
+    part = solid_part(reader.OneShape(), path.stem, str(path))
+    model = reader.Model()
+    numbers = range(1, model.NbEntities() + 1)
+    unread = sum(model.IsUnknownEntity(k) or model.IsRedefinedContent(k) for k in numbers)
+    told = (f"{unread} entities of the file could not be read",) if unread else ()
+    return replace(part, findings=(*told, *part.findings))
 
 
 def load_brep(path: Path) -> SolidPart:

@@ -89,7 +89,9 @@ def _curve(points: Floats, z: float, run: Run) -> tuple[Any, float, float]:
         line = Geom_Line(gp_Pnt(*points[0].tolist(), z), gp_Dir(*way.tolist(), 0.0))
         return line, 0.0, float(np.hypot(*way))
     closed = np.array_equal(points[0], points[-1])
-    knots = points[:-1] if closed else points
+    knots = _apart(points[:-1] if closed else points)
+    if len(knots) == 2:
+        return _curve(knots, z, run)
     array = TColgp_HArray1OfPnt(1, len(knots))
     for i, point in enumerate(knots.tolist(), start=1):
         array.SetValue(i, gp_Pnt(*point, z))
@@ -97,6 +99,17 @@ def _curve(points: Floats, z: float, run: Run) -> tuple[Any, float, float]:
     interpolation.Perform()
     spline = interpolation.Curve()
     return spline, spline.FirstParameter(), spline.LastParameter()
+
+
+def _apart(points: Floats) -> Floats:
+    """The points (k, 2) of a run but those that OCCT would take for the same as one before."""
+    kept = [0]
+    for place in range(1, len(points)):
+        if np.hypot(*(points[place] - points[kept[-1]])) > 2 * TOLERANCE:
+            kept.append(place)
+    # The end stays where it is, even if what comes before it has to give way.
+    kept[max(len(kept) - 1, 1) :] = [len(points) - 1]
+    return points[kept]
 
 
 def _conic(points: Floats, z: float, run: Run) -> tuple[Any, float, float]:
