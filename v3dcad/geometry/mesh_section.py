@@ -116,7 +116,10 @@ def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]
     Returns the indices (e,) of the sides passed forward, those of their partners, and how many
     sides have none.
     """
-    order = np.argsort(key * 2 + backward, kind="stable")
+    way = key * 2 + backward
+    order = np.argsort(way)
+    if np.any(np.diff(way[order]) == 0):  # only a stable order is the same everywhere
+        order = np.argsort(way, kind="stable")
     sorted_key, against = key[order], backward[order]
     there, back = order[~against], order[against]
     if len(there) == len(back) and np.array_equal(sorted_key[~against], sorted_key[against]):
@@ -135,9 +138,9 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     check_heights(heights)
     z = mesh.vertices[:, 2]
     levels = plane_levels(heights, float(z.min(initial=np.inf)))
-    of_corners = z[mesh.triangles]
-    begin = np.searchsorted(levels, of_corners.min(axis=1, initial=np.inf), side="right")
-    end = np.searchsorted(levels, of_corners.max(axis=1, initial=-np.inf), side="right")
+    a, b, c = (z[corner] for corner in mesh.triangles.T)
+    begin = np.searchsorted(levels, np.minimum(np.minimum(a, b), c), side="right")
+    end = np.searchsorted(levels, np.maximum(np.maximum(a, b), c), side="right")
     planes = len(heights)
     total = np.cumsum(
         np.bincount(begin, minlength=planes + 1) - np.bincount(end, minlength=planes + 1)
@@ -197,14 +200,16 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
     crossed = np.empty(total, np.int64)
     level = np.full(total, -1)
     place = before[:-1].copy()
+    corner_z = np.empty(4)
     for triangle in range(len(triangles)):
+        for corner in range(4 if begin[triangle] < end[triangle] else 0):
+            corner_z[corner] = vertices[triangles[triangle, corner % 3], 2]
         for plane in range(begin[triangle], end[triangle]):
             slot = place[plane]
             place[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
-                tail_z = vertices[triangles[triangle, side], 2]
-                head_z = vertices[triangles[triangle, (side + 1) % 3], 2]
+                tail_z, head_z = corner_z[side], corner_z[side + 1]
                 tail_above, head_above = tail_z >= levels[plane], head_z >= levels[plane]
                 if tail_above and not head_above:
                     descent[slot] = edge_of[triangle, side]
