@@ -27,7 +27,7 @@ from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
 from v3dcad.structure.warm_up import warm_up
 
-SLOW_LAYERS = 50
+SLOW_LAYERS = 25
 CASES = [
     # name, sites, layers, size, offset, outline
     ("cube", 8, 250, 50.0, 0.3, "square"),

@@ -16,7 +16,7 @@ def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[
     return subprocess.run(
         [sys.executable, "-c", "from v3dcad.cli import main; main()", *map(str, words)],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         cwd=cwd,
         check=False,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parent.parent)},
@@ -179,7 +179,7 @@ def test_sites_from_a_file(
 ) -> None:
     csv = tmp_path / "sites.csv"
     fill = ("fill", samples / "cone.step", "--layer-height", 10, "--sites-file", csv)
-    csv.write_text("x,y\n1,2\n-3,4.5\n0,0\n")
+    csv.write_text("x,y\n1,2\n-3,4.5\n0,0\n", encoding="utf-8")
     done = run(*fill, "--report", tmp_path / "a.json")
     assert done.returncode == 0, done.stderr
     assert "cells         3" in done.stdout
@@ -189,7 +189,7 @@ def test_sites_from_a_file(
         ("1,2\n3,inf\n", "line 2: not a finite"),
         ("500,500\n", "all sites lie outside"),
     ):
-        csv.write_text(text)
+        csv.write_text(text, encoding="utf-8")
         assert says in mistake(capsys, *fill, "--report", tmp_path / "b.json")
     assert not (tmp_path / "b.json").exists()
 
@@ -197,7 +197,7 @@ def test_sites_from_a_file(
 def test_a_folder_that_cannot_be_written(
     samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "out").write_text("a file where the folder should be")
+    (tmp_path / "out").write_text("a file where the folder should be", encoding="utf-8")
     said = mistake(capsys, "fill", samples / "cone.step", "--out", tmp_path / "out")
     assert "cannot be written" in said
     assert [file.name for file in tmp_path.iterdir()] == ["out"]
@@ -231,7 +231,7 @@ def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
     child = subprocess.Popen(
         [sys.executable, "-c", "from v3dcad.cli import main; main()", "fill",
          str(samples / "pyramid.stl"), "--out", str(tmp_path / "out"), "--layer-height", "0.01"],
-        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=samples.parent,
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8", cwd=samples.parent,
     )  # fmt: skip
     out = tmp_path / "out"
     while child.poll() is None and not (out.is_dir() and any(out.iterdir())):

@@ -69,7 +69,7 @@ def test_volumes_of_samples_by_their_sections(samples: Path) -> None:
 
 def test_inches_are_millimetres(tmp_path: Path, samples: Path) -> None:
     """A STEP file whose unit is the inch comes in at 25.4 times its numbers."""
-    text = (samples / "pyramid.step").read_text()
+    text = (samples / "pyramid.step").read_text(encoding="utf-8")
     unit = re.search(
         r"#\d+ = \( LENGTH_UNIT\(\) NAMED_UNIT\(\*\) SI_UNIT\(\.MILLI\.,\.METRE\.\) \);", text
     )
@@ -84,7 +84,7 @@ def test_inches_are_millimetres(tmp_path: Path, samples: Path) -> None:
         "#90003 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);"
     )
     path = tmp_path / "inches.step"
-    path.write_text(text.replace(unit[0], inch))
+    path.write_text(text.replace(unit[0], inch), encoding="utf-8")
     bounds = v3dcad.pipeline.part_from(path).bounds
     assert np.ptp(bounds, axis=0) == pytest.approx([67 * 25.4, 67 * 25.4, 50 * 25.4])
 
@@ -110,7 +110,7 @@ def test_gcode_stays_in_the_part_and_lays_every_edge(
     structure = v3dcad.fill(samples / name, layer_height=2.0)
     settings = PrintSettings(retraction=1.0, contour="centre", minimum_edge=0.0)
     structure.write_gcode(tmp_path / "a.gcode", settings)
-    text = (tmp_path / "a.gcode").read_text()
+    text = (tmp_path / "a.gcode").read_text(encoding="utf-8")
     moves = read_moves(text)
     printing = moves.printing()
     shift = np.array([110.0, 110.0, 0.0])
@@ -157,7 +157,8 @@ def test_step_lies_where_the_part_lies(bracket: Structure, samples: Path, tmp_pa
     properties = GProp_GProps()
     BRepGProp.LinearProperties_s(shape, properties)
     length = sum(layer.diagram.lengths().sum() for layer in bracket.layers)
-    assert properties.Mass() == pytest.approx(length, rel=1e-9)
+    # Arcs are longer than their chords, and walls end on them.
+    assert properties.Mass() == pytest.approx(length, rel=1e-4)
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(shape, box, False, False)
     part = v3dcad.pipeline.part_from(samples / "bracket.step")
@@ -171,21 +172,25 @@ def test_step_lies_where_the_part_lies(bracket: Structure, samples: Path, tmp_pa
     assert count == len(bracket.layers)
 
 
-def test_step_by_an_independent_reading(bracket: Structure, tmp_path: Path) -> None:
-    """Part 21 taken apart by hand: one named product a layer, every edge a line once."""
-    bracket.write_step(tmp_path / "a.step")
-    text = (tmp_path / "a.step").read_text()
+def test_step_by_an_independent_reading(samples: Path, tmp_path: Path) -> None:
+    """Part 21 taken apart by hand: one named product a layer, every edge in one polyline."""
+    pyramid = v3dcad.fill(samples / "pyramid.stl", layer_height=5.0)
+    pyramid.write_step(tmp_path / "a.step")
+    text = (tmp_path / "a.step").read_text(encoding="utf-8").replace("\n", "")
     assert "1970-01-01T00:00:00" in text
-    entities = dict(
-        re.findall(r"^(#\d+) = (.*?);$", text.replace("\n", " ").replace("; #", ";\n#"), re.M)
-    )
-    kinds = [re.match(r"[A-Z_0-9]*", body)[0] for body in entities.values()]  # type: ignore[index]
     names = re.findall(r"PRODUCT\('([^']*)'", text)
-    for layer in bracket.layers:
+    for layer in pyramid.layers:
         assert f"layer {layer.index} z {layer.z:g}" in names
-    made = sum(np.count_nonzero(layer.diagram.lengths() > 1e-7) for layer in bracket.layers)
-    lines = kinds.count("LINE") + kinds.count("TRIMMED_CURVE") + kinds.count("EDGE_CURVE")
-    assert lines >= made
+    polylines = re.findall(r"B_SPLINE_CURVE_WITH_KNOTS\('',1,\(([^)]*)\)", text)
+    drawn = sum(poles.count("#") - 1 for poles in polylines)
+    assert drawn == sum(
+        np.count_nonzero(layer.diagram.lengths() > 1e-7) for layer in pyramid.layers
+    )
+    # A vertex of odd degree ends a trail: never more of them than needed.
+    odd = sum(
+        np.count_nonzero(np.bincount(layer.diagram.edges.ravel()) % 2) for layer in pyramid.layers
+    )
+    assert len(polylines) <= odd / 2 + sum(len(layer.section.rings) for layer in pyramid.layers)
 
 
 def test_ont_of_an_stl_part_regenerates_it(samples: Path, tmp_path: Path) -> None:
@@ -213,7 +218,7 @@ def test_every_file_is_the_same_twice(samples: Path, tmp_path: Path) -> None:
 
 def test_report_counts_what_the_layers_hold(bracket: Structure, tmp_path: Path) -> None:
     bracket.write_report(tmp_path / "a.json")
-    report = json.loads((tmp_path / "a.json").read_text())
+    report = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert report["layers"] == len(bracket.layers) == len(report["by_layer"]) == 24
     first = next(iter(bracket.layers))
     assert report["by_layer"][0]["cells"] == 40

@@ -15,7 +15,7 @@ def test_the_python_example_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (code,) = re.findall(r"```python\n(.*?)```", README, re.S)
-    (tmp_path / "example.py").write_text(code)
+    (tmp_path / "example.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     runpy.run_path("example.py")
     assert (tmp_path / "walls.step").stat().st_size > 1000
@@ -25,14 +25,16 @@ def test_the_python_example_runs(
 
 def test_the_options_shown_exist_with_these_defaults() -> None:
     from v3dcad import FillSettings, PrintSettings
+    from v3dcad.settings import ExportSettings
 
     rows = re.findall(r"^\| `--([a-z-]+)` \| ([^ |]*)", README, re.M)
-    assert len(rows) == 7
+    assert len(rows) == 10
     for name, default in rows:
         field = name.replace("-", "_")
-        for cls in (FillSettings, PrintSettings):
-            if field in cls.__dataclass_fields__:
-                assert str(getattr(cls(), field)) == default
+        classes = (FillSettings, PrintSettings, ExportSettings)
+        known = [cls for cls in classes if field in cls.__dataclass_fields__]
+        if name != "sites-file":
+            assert [str(getattr(cls(), field)) for cls in known] == [default]
 
 
 def test_files_that_are_linked_are_there() -> None:

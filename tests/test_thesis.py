@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
+import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +24,7 @@ def test_every_file_can_be_written_of_it(samples: Path, tmp_path: Path) -> None:
     for kind in ("ont", "gcode", "step", "png", "report"):
         getattr(structure, f"write_{kind}")(tmp_path / f"a.{kind}")
         assert (tmp_path / f"a.{kind}").stat().st_size > 1000
-    report = json.loads((tmp_path / "a.report").read_text())
+    report = json.loads((tmp_path / "a.report").read_text(encoding="utf-8"))
     layers = [layer for layer in structure.layers if isinstance(layer, ThesisLayer)]
     assert report["settings"]["method"] == "thesis"
     births = [(row["layer"], row["site"]) for row in report["births"]]
@@ -56,12 +59,12 @@ def test_what_only_the_continuous_method_has_is_refused(samples: Path) -> None:
 def test_interpolation_from_the_command_line(samples: Path, tmp_path: Path) -> None:
     """Two sites: a straight wall between them, on every layer."""
     csv = tmp_path / "sites.csv"
-    csv.write_text("-5,0\n5,0\n")
+    csv.write_text("-5,0\n5,0\n", encoding="utf-8")
     fill = ("fill", samples / "pyramid.stl", "--method", "thesis", "--interpolate")
     given = ("--sites-file", csv, "--layer-height", 5, "--offset", 0.5)
     done = run(*fill, *given, "--report", tmp_path / "a.json")
     assert done.returncode == 0, done.stderr
-    report = json.loads((tmp_path / "a.json").read_text())
+    report = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert report["layers"] == 10
     assert [row["walls"] for row in report["by_layer"]] == [1] * 10
 
@@ -102,3 +105,36 @@ def test_its_settings_have_their_ranges(
 ) -> None:
     said = mistake(capsys, "fill", samples / "pyramid.stl", "--out", tmp_path / "out", *words)
     assert says in said
+
+
+def test_the_published_cases(samples: Path, tmp_path: Path) -> None:
+    """Sizes and parameters of Tables 4.1 and 4.2, each part built once; the bunny is optional."""
+    spec = importlib.util.spec_from_file_location("recipes", samples / "thesis" / "recipes.py")
+    assert spec is not None
+    assert spec.loader is not None
+    recipes = importlib.util.module_from_spec(spec)
+    sys.modules["recipes"] = recipes
+    spec.loader.exec_module(recipes)
+    sizes = {
+        "cone": (40, 40, 30),
+        "truncated pyramid": (67, 67, 50),
+        "large truncated pyramid": (180, 180, 30),
+        "prism": (1000, 1000, 40),
+        "cube": (50, 50, 50),
+        "fine cube": (50, 50, 50),
+    }
+    cases = [*recipes.published(), *recipes.cubes()]
+    assert [case.name for case in cases] == list(sizes)
+    for case in cases:
+        bounds = v3dcad.pipeline.part_from(case.source()).bounds
+        assert np.ptp(bounds, axis=0) == pytest.approx(sizes[case.name], abs=1e-3)
+        assert case.settings.method == "thesis"
+    table_41 = [(c.settings.layer_height, c.settings.offset, c.settings.sites) for c in cases[:4]]
+    assert table_41 == [(0.2, 0.2, 40), (0.2, 0.5, 10), (0.2, 0.2, 300), (2.0, 0.1, 4000)]
+    bunny = recipes.published(tmp_path / "any.stl")[3]
+    assert (bunny.name, bunny.source()) == ("bunny", tmp_path / "any.stl")
+    assert bunny.settings.layer_height == 0.25
+    pyramid = recipes.pyramid_of_50().build()
+    top = np.ptp(np.concatenate(pyramid.filling.sections[-1].rings), axis=0)
+    height = pyramid.filling.sections[-1].z
+    assert top == pytest.approx([67 - 2 * height * math.tan(math.radians(10))] * 2, abs=1e-3)

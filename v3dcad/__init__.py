@@ -18,11 +18,13 @@ if TYPE_CHECKING:
         SettingError,
         V3dcadError,
     )
-    from v3dcad.model import Section
+    from v3dcad.model import Recipe, Section
     from v3dcad.parts import part_from
     from v3dcad.pipeline import Structure, build, fill
+    from v3dcad.recipes import read_ont
     from v3dcad.settings import FillSettings, PrintSettings
     from v3dcad.slicing import Sections, place_on_bed, section
+    from v3dcad.structure.density import density
     from v3dcad.structure.fill import fill_sections
 
 _HOME = {
@@ -32,17 +34,20 @@ _HOME = {
     "KernelError": "errors",
     "MissingKernelError": "errors",
     "PrintSettings": "settings",
+    "Recipe": "model",
     "Section": "model",
     "Sections": "slicing",
     "SettingError": "errors",
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
+    "density": "structure.density",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
     "part_from": "parts",
     "place_on_bed": "slicing",
     "section": "slicing",
+    "read_ont": "recipes",
 }
 
 __all__ = [
@@ -52,16 +57,19 @@ __all__ = [
     "KernelError",
     "MissingKernelError",
     "PrintSettings",
+    "Recipe",
     "Section",
     "Sections",
     "SettingError",
     "Structure",
     "V3dcadError",
     "build",
+    "density",
     "fill",
     "fill_sections",
     "part_from",
     "place_on_bed",
+    "read_ont",
     "section",
 ]
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from v3dcad.settings import FillSettings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -273,17 +275,63 @@ class Toolpath(Value):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Brep(Value):
+    """Solids as the bytes of the geometry kernel, as placed on the bed."""
+
+    data: bytes
+    """OCCT's BinTools format, without triangles"""
+    bounds: Floats
+    """(2, 3) least and greatest coordinates, mm"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Checksum:
+    """What two structures must have in common to be the same; sums are hexadecimal."""
+
+    layers: int
+    births: int
+    walls: int
+    """neighbours, over all layers"""
+    sites: str
+    weights: str
+    topology: str
+    sha256: str
+    """of all that the others are made of"""
+
+    COUNTS: ClassVar = ("layers", "births", "walls")
+    DIGITS: ClassVar = {"sites": 8, "weights": 8, "topology": 8, "sha256": 64}
+
+    def as_text(self) -> dict[str, str]:
+        """All fields as text, in order."""
+        return {name: str(getattr(self, name)) for name in (*self.COUNTS, *self.DIGITS)}
+
+    def differences(self, written: Checksum) -> list[str]:
+        """What differs from another, as was written in a file; empty where nothing does."""
+        counts = [
+            f"{getattr(self, name)} {name} instead of {getattr(written, name)}"
+            for name in self.COUNTS
+            if getattr(self, name) != getattr(written, name)
+        ]
+        sums = [name for name in self.DIGITS if getattr(self, name) != getattr(written, name)]
+        return counts + [f"other {name}" for name in sums if name != "sha256" or sums == [name]]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Recipe(Value):
     """What an `.ont` file holds: all that is needed to make a structure again."""
 
-    offset: float
-    """mm² per layer"""
-    layer_height: float
-    """mm"""
-    sites: Floats
-    """(n, 3) mm"""
-    boundary: Mesh
     name: str
+    settings: FillSettings
+    sites: Floats | None
+    """(n, 3) mm, bed coordinates; None where settings and boundary scatter them again"""
+    boundary: Mesh | Brep
+    """the part as placed on the bed"""
+    placement: Placement
+    """how it came there from where its source lies"""
+    checksum: Checksum | None = None
+    """of the structure; None where a file has none, as the thesis's"""
+    software: str = ""
+    """what wrote it; empty for the thesis's form"""
 
 
 def concatenated(toolpaths: Sequence[Toolpath]) -> Toolpath:

@@ -12,7 +12,7 @@ import numpy as np
 
 from v3dcad.errors import FormatError, GeometryError, SettingError
 from v3dcad.formats.stl import normals, read_stl
-from v3dcad.model import Floats, Mesh, Part, Placement, Recipe, Section
+from v3dcad.model import Floats, Mesh, Part, Placement, Section
 
 STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
 STL, THREEMF, OBJ = (".stl",), (".3mf",), (".obj",)
@@ -165,37 +165,3 @@ def check_readable(path: Path) -> None:
         raise FormatError(f"cannot be read ({error.strerror})", path=str(path)) from error
     if empty:
         raise FormatError("the file is empty; export it again", path=str(path))
-
-
-def read_recipe(path: Path) -> Recipe:
-    """The recipe in an `.ont` file."""
-    from v3dcad.formats.ont import read_ont
-
-    check_readable(path)
-    return read_ont(path)
-
-
-def describe(path: Path) -> dict[str, str]:
-    """What a part or an `.ont` file holds, as lines to show."""
-    if path.suffix.lower() == ".ont":
-        recipe = read_recipe(path)
-        held = {
-            "kind": ".ont",
-            "offset": f"{recipe.offset:g} mm² a layer",
-            "layer height": f"{recipe.layer_height:g} mm",
-            "sites": f"{len(recipe.sites)}",
-        }
-        part: Part = MeshPart(recipe.name, recipe.boundary)
-    else:
-        part = part_from(path)
-        held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
-    low, high = part.bounds
-    corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]
-    return {
-        "name": part.name,
-        **held,
-        "size": " × ".join(f"{value:.6g}" for value in high - low) + " mm",
-        "from, to": f"({corners[0]}), ({corners[1]}) mm",
-        **part.contents(),
-        **{f"note {k}": finding for k, finding in enumerate(part.findings, start=1)},
-    }

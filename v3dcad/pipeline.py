@@ -6,18 +6,22 @@ import io
 import json
 from collections.abc import Collection, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from v3dcad.errors import SettingError
+from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Diagram, Floats, Layer, Part, Placement, Recipe
-from v3dcad.parts import MeshPart, part_from, read_recipe
+from v3dcad.forms import Forms
+from v3dcad.model import Checksum, Diagram, Floats, Layer, Part, Placement, Recipe, Section
+from v3dcad.parts import MeshPart, part_from
+from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
 from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.structure.checksum import structure_checksum
+from v3dcad.structure.density import density
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -26,10 +30,14 @@ from v3dcad.structure.properties import Properties, properties
 from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
+from v3dcad.version import VERSION
+
+if TYPE_CHECKING:
+    from v3dcad.geometry.facets import Facets
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure:
+class Structure(Forms):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.
@@ -41,6 +49,8 @@ class Structure:
     filling: Filling | ThesisFilling
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
+    places: Floats
+    """(n, 2) mm: the sites as they were given or scattered, to the last bit"""
 
     @property
     def settings(self) -> FillSettings:
@@ -64,7 +74,7 @@ class Structure:
 
     def at(self, z: float) -> Diagram:
         """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
-        (section,) = self.part.sections(np.array([z]))
+        (section,) = self.part.sections(np.array([z]), self.settings.chord_tolerance)
         return self.filling.at(z, section)
 
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
@@ -77,23 +87,66 @@ class Structure:
         """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
         return properties(self.layers, self.settings.layer_height, bead_width, density)
 
-    def recipe(self) -> Recipe:
-        """What an `.ont` file needs to make this structure again."""
-        sites = np.column_stack([self.sites, np.zeros(len(self.sites))])
+    def facets(self) -> Facets:
+        """The walls between cells in space, bed coordinates, from the base to above the top."""
+        from v3dcad.geometry.facets import welded_facets
+
+        if not isinstance(self.filling, Filling):
+            return self.filling.walls  # which says why there are none
+        # An empty section above the top lets the walls go on from the last layer to there.
+        above = Section(float(self.part.bounds[1, 2]) + 1.0, ())
+        filling = fill_sections(
+            [*self.filling.sections, above], self.sites, self.settings, self.part.bounds[:, :2]
+        )
+        assert isinstance(filling, Filling)
+        walls, everyone = filling.walls, filling.history.sites.by_site()
+        places = filling.grid.millimetres(everyone.places)
+        return welded_facets(walls.sites, walls.points, walls.starts, places)
+
+    def recipe(self, boundary: str | None = None) -> Recipe:
+        """What an `.ont` file needs to make this structure again, with its check sum.
+
+        `boundary` is "exact" (the B-rep, or the triangles, to the last bit; sites that the random
+        seed scatters again are left out) or "stl" (the thesis's form: triangles, all sites). By
+        default a B-rep is kept exactly, and triangles as STL. The recipe of a B-rep "as stl" is
+        that of its tessellation.
+        """
+        form = boundary_form(boundary, self.part)
+        if form == "stl" and not isinstance(self.part, MeshPart):
+            mesh = MeshPart(self.part.name, self.part.mesh())
+            tessellated = build(mesh, self.settings, self.places)
+            placement = self.placement.then(tessellated.placement)
+            return replace(tessellated, placement=placement).recipe(form)
+        sites = np.column_stack([self.places, np.zeros(len(self.places))])
         return Recipe(
-            float(self.settings.offset),
-            self.settings.layer_height,
-            sites,
-            self.part.mesh(),
-            self.part.name,
+            name=self.part.name,
+            settings=self.settings,
+            sites=None if form == "exact" and self._scatters_again() else sites,
+            boundary=boundary_of(self.part),
+            placement=self.placement,
+            checksum=self.checksum(),
+            software=f"v3dcad {VERSION}",
         )
 
-    def write_ont(self, path: str | Path) -> None:
-        """Write the structure as `.ont`, the thesis's form; a B-rep's boundary as its mesh."""
+    def _scatters_again(self) -> bool:
+        """Whether settings alone give these sites."""
+        if self.settings.sites != len(self.places):
+            return False
+        again = scatter_sites(self.part.bounds[:, :2], len(self.places), self.settings.random_seed)
+        return np.array_equal(again, self.places)
+
+    def checksum(self) -> Checksum:
+        """The check sum by which the structure is known; goes through all layers."""
+        return structure_checksum(self.layers, self.filling.grid)
+
+    def write_ont(self, path: str | Path, boundary: str | None = None) -> None:
+        """Write the structure as `.ont`; `boundary` as for `recipe`."""
         from v3dcad.formats.ont import ont_text
 
+        form = boundary_form(boundary, self.part)
         with written_beside(Path(path)) as beside:
-            beside.write_text(ont_text(self.recipe()), encoding="utf-8", newline="\n")
+            text = ont_text(self.recipe(form), form)
+            beside.write_text(text, encoding="utf-8", newline="\n")
 
     def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> Print:
         """Write G-code, the part in the middle of the bed, and tell what the print takes.
@@ -108,7 +161,10 @@ class Structure:
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
         toolpaths = trace(self.layers, settings, reports.append)
-        with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
+        with (
+            written_beside(Path(path)) as beside,
+            beside.open("w", encoding="utf-8", newline="\n") as stream,
+        ):
             totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
         return Print(totals, reports, findings(reports))
 
@@ -119,18 +175,6 @@ class Structure:
         draw(self.layers, picture, shown=40, pixels=220)
         return picture.getvalue()
 
-    def write_step(self, path: str | Path) -> None:
-        """Write the wires of all layers as STEP, one named compound a layer."""
-        from v3dcad.kernel.step import write_step
-        from v3dcad.kernel.wires import layer_wires
-
-        shapes = (
-            (f"layer {layer.index} z {layer.z:g}", layer_wires(layer, self.placement))
-            for layer in self.layers
-        )
-        with written_beside(Path(path)) as beside:
-            write_step(shapes, beside, self.part.name)
-
     def write_png(self, path: str | Path) -> None:
         """Draw the layers in perspective."""
         from v3dcad.view.picture import draw
@@ -140,10 +184,7 @@ class Structure:
 
     def findings(self, written: Collection[str] = ()) -> list[str]:
         """What the user should know of how the part was read and what was written of it."""
-        found = list(self.part.findings)
-        if "ont" in written and not isinstance(self.part, MeshPart):
-            found.append("the .ont file holds the part's tessellation, not its exact surface")
-        return found
+        return list(self.part.findings)
 
     def report(
         self, printing: PrintSettings | None = None, printed: Print | None = None
@@ -171,20 +212,22 @@ class Structure:
 def build(
     part: Part,
     settings: FillSettings,
-    sites: Floats | None = None,
+    sites: Floats | density | None = None,
     executor: Executor | None = None,
 ) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, take the place of the scatter. An executor computes
-    several sections at a time. Raises `SettingError` where settings do not fit the part,
-    `GeometryError` or `KernelError` where it cannot be cut.
+    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter. An
+    executor computes several sections at a time. Raises `SettingError` where settings do not fit
+    the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
     placement = part.placement
     rectangle = part.bounds[:, :2]
     if sites is None:
         sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
+    elif isinstance(sites, density):
+        sites = sites.scatter(rectangle, settings.random_seed)
     elif not ((sites >= rectangle[0]) & (sites <= rectangle[1])).all(axis=1).any():
         low, high = rectangle
         raise SettingError(
@@ -196,52 +239,65 @@ def build(
     lofts = settings.method == "thesis" and settings.interpolate
     planes = np.unique(heights[[0, -1]]) if lofts else heights
     sections = part.sections(planes, settings.chord_tolerance, executor)
-    filling = fill_sections(sections, sites, settings)
+    filling = fill_sections(sections, sites, settings, rectangle)
     if lofts:
         assert isinstance(filling, ThesisFilling)
-        return Structure(part, placement, filling, lofted(filling, heights))
-    return Structure(part, placement, filling, filling.layers)
+        return Structure(part, placement, filling, lofted(filling, heights), sites)
+    return Structure(part, placement, filling, filling.layers, sites)
 
 
 def fill(
     source: Any,
     *,
-    sites: int | Sequence[Sequence[float]] | Floats | None = None,
+    sites: int | Sequence[Sequence[float]] | Floats | density | None = None,
+    verify: bool = True,
     executor: Executor | None = None,
     **settings: Any,
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
-    `source` is a path (STEP, STL, 3MF, OBJ, BREP, `.ont`), a part of `part_from` or
+    `source` is a path (STEP, STL, 3MF, OBJ, BREP, `.ont`), a `Recipe`, a part of `part_from` or
     `place_on_bed`, a shape of build123d, CadQuery or OCP, or a pair (vertices, triangles). `sites`
-    is how many to scatter, or their places (n, 2) in mm, bed coordinates. An executor (of
-    threads, of processes, a cluster's) computes several sections at a time. Further settings are
-    the fields of `FillSettings`. What an `.ont` file says is taken from it, unless given here.
-    Raises `V3dcadError`s that say what to do.
+    is how many to scatter, their places (n, 2) in mm, bed coordinates, or their `density`. An
+    executor (of threads, of processes, a cluster's) computes several sections at a time. Further
+    settings are the fields of `FillSettings`. What a recipe says is taken from it, unless given
+    here; where nothing is, the structure must have the recipe's check sum (`verify=False`: need
+    not). Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
-        return _fill_recipe(Path(source), sites, executor, settings)
+        source = read_ont(source)
+    if isinstance(source, Recipe):
+        if sites is not None or settings:
+            source = changed(source, sites, settings)
+        return build_recipe(source, verify=verify, executor=executor)
     if sites is None or isinstance(sites, int):
-        chosen = _settings(settings if sites is None else {**settings, "sites": sites})
+        chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor)
+    if isinstance(sites, density):
+        return build(part_from(source), known_settings(settings), sites, executor)
     explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
-    chosen = _settings({**settings, "sites": len(explicit)})
+    chosen = known_settings({**settings, "sites": len(explicit)})
     return build(part_from(source), chosen, explicit, executor)
 
 
-def _fill_recipe(
-    path: Path, sites: Any, executor: Executor | None, settings: dict[str, Any]
+def build_recipe(
+    recipe: Recipe, *, verify: bool = True, executor: Executor | None = None
 ) -> Structure:
-    recipe = read_recipe(path)
-    known = {"offset": recipe.offset, "layer_height": recipe.layer_height}
-    if sites is None:
-        sites = recipe.sites[:, :2]
-    part = MeshPart(recipe.name, recipe.boundary)
-    return fill(part, sites=sites, executor=executor, **{**known, **settings})
+    """The structure of a recipe; where a source was moved to the bed, it lies where that lay.
 
-
-def _settings(chosen: dict[str, Any]) -> FillSettings:
-    for name in chosen:
-        if name not in FillSettings.__dataclass_fields__:
-            raise SettingError(name, f"there is no setting {name!r}")
-    return FillSettings(**chosen)
+    Raises `FormatError` where the structure is not the one whose check sum the recipe has,
+    unless `verify` is off; otherwise as `build`.
+    """
+    sites = None if recipe.sites is None else recipe.sites[:, :2]
+    structure = build(part_of(recipe), recipe.settings, sites, executor)
+    structure = replace(structure, placement=recipe.placement.then(structure.placement))
+    if verify and recipe.checksum is not None:
+        differences = structure.checksum().differences(recipe.checksum)
+        if differences:
+            raise FormatError(
+                f"the structure that it makes is not the one that was written: "
+                f"{', '.join(differences)}. Written by {recipe.software}, this is v3dcad "
+                f"{VERSION}; --no-verify (verify=False) takes it as it is",
+                path=f"{recipe.name}.ont", section="CHECKSUM",
+            )  # fmt: skip
+    return structure

@@ -56,6 +56,12 @@ class Declared:
             )
 
 
+def check_size(name: str, value: float) -> None:
+    """Raise `SettingError` unless a length (mm) is a finite number above 0."""
+    if not 0 < value < math.inf:
+        raise SettingError(name, f"{name} {value:g}: give a number above 0 mm")
+
+
 def option(name: str) -> str:
     """The setting's name as it is written on the command line."""
     return "--" + name.replace("_", "-")
@@ -319,3 +325,38 @@ class PrintSettings(Checked):
     def filament_area(self) -> float:
         """Cross-section of the filament, mm²."""
         return math.pi / 4 * self.filament_diameter**2
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExportSettings(Checked):
+    """How a structure is exported."""
+
+    boundary: str = setting(
+        "auto",
+        "The part in the .ont file: exact, or stl as in the thesis; auto is exact but for meshes.",
+        choices=("auto", "exact", "stl"),
+    )
+    step_as: str = setting(
+        "wires",
+        "What the STEP file holds.",
+        choices=("wires", "faces", "cells", "solid", "struts", "beads"),
+    )
+    threemf_as: str = setting(
+        "beams", "What the 3MF file holds.", choices=("beams", "solid", "struts", "beads")
+    )
+    stl_as: str = setting(
+        "walls", "What the STL file holds.", choices=("walls", "solid", "struts", "beads")
+    )
+    stl_ascii: bool = setting(False, "Write STL as text.")
+    thickness: float = setting(0.8, "Thickness of solid walls.", unit="mm", above=0)
+    skin: float = setting(0.0, "Thickness of a hull around solid walls.", unit="mm", least=0)
+    diameter: float = setting(0.8, "Diameter of struts and beams.", unit="mm", above=0)
+    svg_layer: int = setting(0, "The layer drawn as SVG; negative counts from the top.")
+
+    def sizes(self, form: str, bead_width: float) -> dict[str, Any]:
+        """What a form of `Structure.write_step` and its like takes."""
+        if form == "solid":
+            return {"thickness": self.thickness}
+        if form in ("struts", "beams"):
+            return {"diameter": self.diameter}
+        return {"width": bead_width} if form == "beads" else {}

@@ -120,10 +120,10 @@ def write_sections_step(sections: Sequence[Section], path: str | Path, part: Par
     """Write sections of a placed part, lines and conics exact, where its source lies."""
     from v3dcad.kernel.section_wires import section_wires
     from v3dcad.kernel.shapes import compound
-    from v3dcad.kernel.step import write_step
+    from v3dcad.kernel.step import Named, write_step
 
     shapes = (
-        (f"section {k} z {cut.z:g}", compound(section_wires(cut, part.placement)))
+        Named(f"section {k} z {cut.z:g}", compound(section_wires(cut, part.placement)))
         for k, cut in enumerate(sections)
     )
     with written_beside(Path(path)) as beside:

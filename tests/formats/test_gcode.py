@@ -359,7 +359,7 @@ def test_the_reader_agrees_with_the_writer(route: str, arcs: bool, tmp_path: Pat
     layers = [layer(scattered(20, 10, 3), disc(14, 0.2 * k), k) for k in range(3)]
     text, totals = written(layers, route=route, arcs=arcs, retraction=1.0, end_gcode="")
     file = tmp_path / "a.gcode"
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
     found = read_gcode(file)
     assert found.layers == 3
     assert found.filament_mm == pytest.approx(totals.filament_mm, abs=1e-4)
@@ -382,11 +382,14 @@ def test_time_is_that_of_pygcodedecode(route: str, tmp_path: Path) -> None:
     body = stream.getvalue()
     first = body.index("G0 X")
     file = tmp_path / "a.gcode"
-    file.write_text("G21\nG90\nM82\nG92 E0\n" + body[first : body.index("M73 P100")])
+    file.write_text(
+        "G21\nG90\nM82\nG92 E0\n" + body[first : body.index("M73 P100")], encoding="utf-8"
+    )
     presets = tmp_path / "printer.yaml"
     presets.write_text(
         "test:\n  nozzle_diam: 0.8\n  filament_diam: 1.75\n  p_vel: 40\n  p_acc: 500\n  jerk: 5\n"
-        "  vX: 500\n  vY: 500\n  vZ: 500\n  vE: 500\n  firmware: junction_deviation\n"
+        "  vX: 500\n  vY: 500\n  vZ: 500\n  vE: 500\n  firmware: junction_deviation\n",
+        encoding="utf-8",
     )
     setup = interpreter.setup(presets_file=presets, printer="test", verbosity_level=0)
     start = Printer().run(body).moves[0].stop

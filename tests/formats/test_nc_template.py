@@ -74,7 +74,7 @@ def test_files_that_are_no_example(read, content: str | bytes, message: str) -> 
 def test_stored_as_a_profile(read, tmp_path: Path) -> None:
     found = read('M117 {"a"}\nSTART\nEND\nM84 \\\n')
     file = tmp_path / "mine.toml"
-    file.write_text(template_profile(found, "example.gcode"))
+    file.write_text(template_profile(found, "example.gcode"), encoding="utf-8")
     options = PrintSettings(**read_profile(str(file)))
     assert filled(options.start_gcode, "start_gcode", options, Totals()) == 'M117 {"a"}\n'
     assert filled(options.end_gcode, "end_gcode", options, Totals()) == "M84 \\\n"

@@ -32,7 +32,9 @@ def test_the_thesis_printer_has_its_table() -> None:
 
 def test_the_users_own_file(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    file.write_text('bead_width = 1\nroute = "trails"\narcs = true\nperimeters = 2\n')
+    file.write_text(
+        'bead_width = 1\nroute = "trails"\narcs = true\nperimeters = 2\n', encoding="utf-8"
+    )
     assert read_profile(str(file)) == {
         "bead_width": 1.0,
         "route": "trails",
@@ -83,5 +85,5 @@ def test_a_profile_reads_back(tmp_path: Path) -> None:
         "start_gcode": 'M117 "quoted" \\ back\n"""\nG28\n',
     }
     file = tmp_path / "mine.toml"
-    file.write_text(profile_text(values, "mine"))
+    file.write_text(profile_text(values, "mine"), encoding="utf-8")
     assert read_profile(str(file)) == values

@@ -22,8 +22,10 @@ def written(tmp_path: Path, content: bytes) -> Path:
     return path
 
 
-def corners(mesh: Mesh) -> list[list[float]]:
-    return sorted(mesh.vertices[mesh.triangles].reshape(-1, 9).tolist())
+def corners(mesh: Mesh) -> list[list[list[float]]]:
+    """Every triangle's corners, the least first."""
+    rows = mesh.vertices[mesh.triangles].tolist()
+    return sorted(row[least:] + row[:least] for row in rows for least in [row.index(min(row))])
 
 
 def test_ascii_keeps_every_bit(tmp_path: Path) -> None:
@@ -71,6 +73,13 @@ def test_crlf_capitals_and_exponents(tmp_path: Path) -> None:
     assert corners(again) == corners(TETRAHEDRON)
 
 
+def test_several_solids_comments_and_hexadecimal_numbers(tmp_path: Path) -> None:
+    first = GOOD.replace("outer loop", "outer loop // three corners", 1)
+    first = first.replace("vertex 1.0 0.0 0.0", "vertex 0x1p0 .0 0.e-5", 1)
+    again = read_stl(written(tmp_path, f"{first}\n// and again\n{GOOD}".encode()))
+    assert corners(again) == sorted(2 * corners(TETRAHEDRON))
+
+
 def test_normals_point_out_and_are_zero_without_area() -> None:
     triangles = np.array([[[0.0, 0, 0], [2, 0, 0], [0, 2, 0]], [[0, 0, 0], [1, 1, 1], [2, 2, 2]]])
     assert normals(triangles).tolist() == [[0, 0, 1], [0, 0, 0]]
@@ -83,16 +92,28 @@ GOOD = ascii_stl(TETRAHEDRON, "x")
     ("content", "says"),
     [
         (b"", "empty"),
-        (b"hello, world", "not an STL file"),
+        (b"hello, world", "line 1: 'hello, world' is not the `solid` line"),
         (b"\x00" * 200, "neither ASCII"),
         (b"header".ljust(80) + b"\xff\xff\xff\x7f" + b"\x00" * 16, "announces 2147483647"),
         (binary_stl(TETRAHEDRON)[:-7], "announces 4"),
         (GOOD.replace("endsolid x", "").encode(), "cut off"),
-        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 zero 0.0", 1).encode(), "line 6.*'zero'"),
-        (GOOD.replace("      vertex 1.0 0.0 0.0\n", "", 1).encode(), "4 facets have 11"),
-        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 0.0", 1).encode(), "11 of them readable"),
-        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex nan 0.0 0.0", 1).encode(), "not a finite"),
+        (
+            GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 zero 0.0", 1).encode(),
+            "line 6: 'vertex 1.0 zero 0.0' stands where",
+        ),
+        (
+            GOOD.replace("      vertex 1.0 0.0 0.0\n", "", 1).encode(),
+            "line 6: 'endloop' stands where `vertex x y z`",
+        ),
+        (
+            GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 0.0", 1).encode(),
+            "line 6: 'vertex 1.0 0.0' stands where",
+        ),
+        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex nan 0.0 0.0", 1).encode(), "line 6.*nan"),
+        (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1e999 0.0 0.0", 1).encode(), "not finite"),
+        (binary_stl(TETRAHEDRON)[:-6] + b"\0\0\xc0\x7f\0\0", "triangle 4 .* not a finite"),
         (b"solid x\nendsolid x\n", "no triangles"),
+        (GOOD.encode() + b"1 2 3\n", "line 31: '1 2 3' stands after the solid's end"),
     ],
 )
 def test_damaged_files_are_refused(tmp_path: Path, content: bytes, says: str) -> None:

@@ -22,7 +22,7 @@ from tests.kernel import shapes
 from tests.parts import ring_area
 from v3dcad.kernel.part import solid_part
 from v3dcad.kernel.shapes import FACE, compound, subshapes
-from v3dcad.kernel.step import write_step
+from v3dcad.kernel.step import Named, write_step
 
 
 def moved(shape, x: float, turns: float = 0.0):
@@ -102,7 +102,7 @@ def test_what_is_no_solid_is_named(shape, says: str) -> None:
 def test_an_open_shell_is_refused(tmp_path: Path) -> None:
     with pytest.raises(v3dcad.KernelError, match=r"a file: .*not closed: 4 stretches"):
         solid_part(open_solid(), "a", "a file")
-    write_step([("open", open_solid())], tmp_path / "open.step", "open")
+    write_step([Named("open", open_solid())], tmp_path / "open.step", "open")
     with pytest.raises(v3dcad.KernelError, match=r"open\.step: "):
         v3dcad.part_from(tmp_path / "open.step")
 

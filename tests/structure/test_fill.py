@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests import oracle
-from v3dcad.errors import GeometryError, SettingError
+from v3dcad.errors import GeometryError
 from v3dcad.geometry.cells import cells
 from v3dcad.model import OUTSIDE, Section
 from v3dcad.settings import FillSettings
@@ -283,8 +283,6 @@ def test_faulty_sections_are_named(ring):
 
 
 def test_settings_that_cannot_be():
-    with pytest.raises(SettingError, match="not built yet"):
-        fill_sections(stack((SQUARE,)), np.ones((1, 2)), FillSettings(method="thesis"))
     with pytest.raises(GeometryError, match="at least one"):
         fill_sections(stack((SQUARE,)), np.empty((0, 2)), FillSettings())
     with pytest.raises(GeometryError, match="safe range"):
@@ -303,3 +301,17 @@ def test_an_empty_section_is_an_empty_layer():
     layers = list(fill_sections(sections, np.array([[1.0, 1], [2, 2]]), FillSettings()).layers)
     assert len(layers[3].diagram.edges) == 0
     assert len(layers[4].diagram.edges) > 0
+
+
+def test_births_on_a_part_that_stands_on_a_point():
+    """An empty first layer is no measure: each site's share of the base rectangle is."""
+    rings = [SQUARE * share + 5 * (1 - share) for share in np.linspace(0.1, 1, 40)]
+    sections = [Section(0.0, ()), *(Section(0.2 * k + 0.2, (r,)) for k, r in enumerate(rings))]
+    sites = scatter_sites(np.array([[0.0, 0], [10, 10]]), 40, 1)
+    filling = fill_sections(sections, sites, FillSettings())
+    layers = list(filling.layers)
+    assert layers[0].area_per_cell == 0
+    assert len(filling.births) > 5
+    share = 100 / 40
+    births = np.bincount(filling.births[:, 0], minlength=len(layers))
+    assert all(layer.area_per_cell > share * 0.5 for layer in layers if births[layer.index])

@@ -13,21 +13,24 @@ from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
 from v3dcad.options import given, with_options
-from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 
 if TYPE_CHECKING:
     from v3dcad.pipeline import Structure
     from v3dcad.report import Print
 
 OUTPUTS = ("gcode", "ont", "step", "png", "report")
-"""What `fill` writes, in this order: the one that may refuse the part comes first."""
+"""What `fill --out` writes; the one that may refuse the part comes first."""
+
+MORE = ("stl", "threemf", "brep", "svg")
+"""What it writes when asked for by name."""
 
 ENDINGS = {"report": "json"}
 
 OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write just this file.")]
 
 
-@with_options(FillSettings, PrintSettings)
+@with_options(FillSettings, PrintSettings, ExportSettings)
 def fill(
     part: PartFile,
     out: Annotated[
@@ -46,6 +49,15 @@ def fill(
     step: OutputFile = None,
     png: OutputFile = None,
     report: OutputFile = None,
+    stl: OutputFile = None,
+    threemf: Annotated[
+        Path | None, typer.Option("--3mf", metavar="FILE", help="Write just this file.")
+    ] = None,
+    brep: OutputFile = None,
+    svg: OutputFile = None,
+    verify: Annotated[
+        bool, typer.Option(help="Compare what an .ont file makes with its check sum.")
+    ] = True,
     rotate: Rotate = None,
     up: Up = None,
     repair: Repair = False,
@@ -54,11 +66,13 @@ def fill(
 ) -> None:
     """Fill PART and write .ont, G-code, STEP, a picture and a report."""
     named = {"ont": ont, "gcode": gcode, "step": step, "png": png, "report": report}
+    named |= {"stl": stl, "threemf": threemf, "brep": brep, "svg": svg}
     files = _files(part, out, named)
     from v3dcad.parts import check_readable
     from v3dcad.pipeline import fill as fill_part
 
     printing = _print_settings(profile, settings)
+    exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
     if sites_file is not None:
         from v3dcad.formats.sites_csv import read_sites
@@ -68,7 +82,7 @@ def fill(
     with Progress() as progress:
         progress.start("reading and cutting the part")
         source = part_of(part, rotate, up, repair, as_brep) or part
-        structure = fill_part(source, **chosen)
+        structure = fill_part(source, verify=verify, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
@@ -76,13 +90,36 @@ def fill(
             if kind == "gcode":
                 printed = watched.write_gcode(file, printing)
             elif kind != "report":
-                getattr(watched, f"write_{kind}")(file)
+                _export(watched, kind, file, exporting, printing.bead_width)
         progress.start("checking what holds up each layer")
         if "report" in files:
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
     _print_summary(structure, summary, files)
+
+
+def _export(
+    structure: Structure, kind: str, file: Path, how: ExportSettings, bead_width: float
+) -> None:
+    """Write one file that is no G-code and no report."""
+    if kind == "ont":
+        structure.write_ont(file, None if how.boundary == "auto" else how.boundary)
+    elif kind == "png":
+        structure.write_png(file)
+    elif kind == "svg":
+        structure.write_svg(file, how.svg_layer)
+    elif kind == "stl":
+        sizes = how.sizes(how.stl_as, bead_width)
+        structure.write_stl(file, how.stl_as, ascii=how.stl_ascii, **sizes)
+    elif kind == "threemf":
+        structure.write_3mf(file, how.threemf_as, **how.sizes(how.threemf_as, bead_width))
+    else:
+        sizes = how.sizes(how.step_as, bead_width)
+        if how.step_as == "solid":
+            sizes["skin"] = how.skin
+        write = structure.write_step if kind == "step" else structure.write_brep
+        write(file, how.step_as, **sizes)
 
 
 def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
@@ -97,9 +134,9 @@ def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSetti
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
     files: dict[str, Path] = {}
-    for kind in OUTPUTS:
+    for kind in (*OUTPUTS, *MORE):
         file = named[kind]
-        if file is None and out is not None:
+        if file is None and out is not None and kind in OUTPUTS:
             file = out / f"{part.stem}.{ENDINGS.get(kind, kind)}"
         if file is not None:
             files[kind] = file
@@ -145,6 +182,6 @@ def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
 
 def info(file: PartFile) -> None:
     """Tell what a part or an .ont file holds."""
-    from v3dcad.parts import describe
+    from v3dcad.recipes import describe
 
     print_rows(describe(file).items())

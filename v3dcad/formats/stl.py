@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
 
 from v3dcad.errors import FormatError
+from v3dcad.formats.ascii_mesh import ascii_corners
 from v3dcad.model import Floats, Mesh
 
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 HEADER = 84
-
-VERTEX = re.compile(rb"^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)[ \t\r]*$", re.I | re.M)
 
 
 def read_stl(path: Path) -> Mesh:
@@ -36,67 +34,46 @@ def read_stl(path: Path) -> Mesh:
                 f"triangles ({expected} bytes), the file has {len(data)} bytes; export it again",
                 path=str(path),
             )
-    return welded(ascii_corners(data, str(path)), str(path))
+    return welded(_ascii_corners(data, str(path)), str(path))
 
 
 def _binary_corners(data: bytes) -> Floats:
     return np.frombuffer(data, RECORD, offset=HEADER)["corners"].astype(np.float64)
 
 
-def ascii_corners(data: bytes, path: str, first_line: int = 1) -> Floats:
-    """Corners (t, 3, 3), mm, of ASCII STL text that begins at line `first_line` of its file.
+def _ascii_corners(data: bytes, path: str) -> Floats:
+    text = data.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
 
-    Raises `FormatError` with the line where a facet is not whole or a number is none.
-    """
-    if data.lstrip()[:5].lower() != b"solid":
-        raise FormatError("not an STL file (no `solid` line); export it again", path=path)
-    if not re.search(rb"^[ \t]*endsolid", data, re.I | re.M):
-        raise FormatError("cut off: there is no `endsolid` line; export it again", path=path)
-    found = list(VERTEX.finditer(data))
-    try:
-        corners = np.array([match.groups() for match in found], dtype=np.float64)
-    except ValueError:
-        for match in found:
-            _check_numbers(match, data, path, first_line)
-        raise
-    facets = len(re.findall(rb"^[ \t]*endfacet", data, re.I | re.M))
-    vertices = len(re.findall(rb"^[ \t]*vertex", data, re.I | re.M))
-    if vertices != len(found) or len(found) != 3 * facets:
-        raise FormatError(
-            f"{facets} facets have {vertices} vertex lines, {len(found)} of them readable, "
-            "three are needed for each; export it again",
-            path=path,
-        )
-    return corners.reshape(-1, 3, 3)
+    def refuse(message: str, at: int) -> FormatError:
+        return FormatError(message, path=path, line=text.count("\n", 0, at) + 1)
+
+    return ascii_corners(text, 0, len(text), refuse)
 
 
-def _check_numbers(match: re.Match[bytes], data: bytes, path: str, first_line: int) -> None:
-    for word in match.groups():
-        try:
-            float(word)
-        except ValueError:
-            line = first_line + data.count(b"\n", 0, match.start())
-            shown = word[:40].decode("ascii", "replace")
-            raise FormatError(f"{shown!r} is not a number", path=path, line=line) from None
-
-
-def welded(corners: Floats, path: str) -> Mesh:
+def welded(corners: Floats, path: str, section: str | None = None) -> Mesh:
     """Corners (t, 3, 3), mm, as a mesh: equal points made one, triangles without area left out.
 
-    Raises `FormatError` where there are no triangles or a coordinate is not finite.
+    Vertices and triangles come out in one order, whatever order the triangles had. Raises
+    `FormatError` where there are no triangles or a coordinate is not finite.
     """
     if not len(corners):
-        raise FormatError("it holds no triangles; export it again", path=path)
+        raise FormatError("it holds no triangles; export it again", path=path, section=section)
     bad = np.nonzero(~np.isfinite(corners).all(axis=(1, 2)))[0]
     if len(bad):
         raise FormatError(
-            f"triangle {bad[0] + 1} has a coordinate that is not a finite number", path=path
-        )
+            f"triangle {bad[0] + 1} has a coordinate that is not a finite number",
+            path=path, section=section,
+        )  # fmt: skip
     # Adding zero makes −0.0 and 0.0 the same.
     vertices, ids = np.unique(corners.reshape(-1, 3) + 0.0, axis=0, return_inverse=True)
     triangles = ids.reshape(-1, 3)
     a, b, c = triangles.T
-    return Mesh(vertices, triangles[(a != b) & (b != c) & (c != a)])
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    if not len(triangles):
+        raise FormatError("none of its triangles has an area", path=path, section=section)
+    turn = (triangles.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    triangles = np.take_along_axis(triangles, turn, axis=1)
+    return Mesh(vertices, triangles[np.lexsort(triangles.T[::-1])])
 
 
 def normals(corners: Floats) -> Floats:

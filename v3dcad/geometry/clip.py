@@ -117,12 +117,12 @@ def walk_segment(  # type: ignore[no-untyped-def]
     mesh, crossings, at, count, cell, ax, ay, bx, by, segment
 ):
     """Append the crossings of the segment a → b, which begins in `cell`."""
-    points, triangles = mesh.points, mesh.triangles
+    points, triangles, triangle_of = mesh.points, mesh.triangles, mesh.triangle_of
     reached = 0.0
     while True:
         own = power(points, cell, bx, by)
         ahead, crossed, winding, soonest, least = NOTHING, 0, 0, 2.0, 0.0
-        first = mesh.triangle_of[cell]
+        first = triangle_of[cell]
         triangle = first
         while True:
             k = corner_at(triangles, triangle, cell)
@@ -260,7 +260,7 @@ def unchain(crossings, count, first_on):  # type: ignore[no-untyped-def]
 @njit(WORD(MESH, ROW, ROWS, WORD, SIDES, ROW, WORD), **INTERNAL)
 def count_cells(mesh, begun_in, crossings, count, inside, seen, token):  # type: ignore[no-untyped-def]
     """How many cells have a part inside. Marks them in `seen` (p,) with a token not used before."""
-    cells = 0
+    cells, triangles = 0, mesh.triangles
     for ring in range(len(begun_in)):
         if seen[begun_in[ring]] != token:
             seen[begun_in[ring]] = token
@@ -271,9 +271,9 @@ def count_cells(mesh, begun_in, crossings, count, inside, seen, token):  # type:
             seen[cell] = token
             cells += 1
     for triangle in range(mesh.count[TRIANGLES]):
-        if inside[triangle] == 1 and mesh.triangles[triangle, 0] != NOTHING:
+        if inside[triangle] == 1 and triangles[triangle, 0] != NOTHING:
             for i in range(3):
-                cell = mesh.triangles[triangle, i]
+                cell = triangles[triangle, i]
                 if seen[cell] != token:
                     seen[cell] = token
                     cells += 1

@@ -53,10 +53,10 @@ def _squared(places, i, j):  # type: ignore[no-untyped-def]
     return dx * dx + dy * dy
 
 
-@njit(types.boolean(TREE, PAIRS, WORD, WORD), **INTERNAL)
-def _shorter(tree, places, a, b):  # type: ignore[no-untyped-def]
+@njit(types.boolean(ROW, ROW, PAIRS, WORD, WORD), **INLINED)
+def _shorter(first, second, places, a, b):  # type: ignore[no-untyped-def]
     """Whether the edge with key a comes before that with key b: by length, then by sites."""
-    i, j, k, m = tree.first[a], tree.second[a], tree.first[b], tree.second[b]
+    i, j, k, m = first[a], second[a], first[b], second[b]
     difference = _squared(places, i, j) - _squared(places, k, m)
     if difference != 0:
         return difference < 0
@@ -71,8 +71,8 @@ def _root(piece, site):  # type: ignore[no-untyped-def]
     return site
 
 
-@njit(types.void(TREE, PAIRS, ROW, WORD), **INTERNAL)
-def _sort(tree, places, keys, count):  # type: ignore[no-untyped-def]
+@njit(types.void(ROW, ROW, PAIRS, ROW, WORD), **INTERNAL)
+def _sort(first, second, places, keys, count):  # type: ignore[no-untyped-def]
     """Sort keys, shortest first: by heap, in place."""
     for start in range(count // 2 - 1, -count, -1):
         if start >= 0:
@@ -84,9 +84,9 @@ def _sort(tree, places, keys, count):  # type: ignore[no-untyped-def]
             below = 2 * at + 1
             if below >= length:
                 break
-            if below + 1 < length and _shorter(tree, places, keys[below], keys[below + 1]):
+            if below + 1 < length and _shorter(first, second, places, keys[below], keys[below + 1]):
                 below += 1
-            if not _shorter(tree, places, keys[at], keys[below]):
+            if not _shorter(first, second, places, keys[at], keys[below]):
                 break
             keys[at], keys[below] = keys[below], keys[at]
             at = below
@@ -132,7 +132,7 @@ def renew_tree(tree, places, pairs, keys, row, count):  # type: ignore[no-untype
     for edge in range(added):
         seen[new[edge]] = generation
     if added > 0:
-        _sort(tree, places, new, added)
+        _sort(first, second, places, new, added)
         old = np.empty(kept, np.int32)
         for branch in range(kept):
             old[branch] = branches[branch]
@@ -141,7 +141,7 @@ def renew_tree(tree, places, pairs, keys, row, count):  # type: ignore[no-untype
         at_old, at_new, size = 0, 0, 0
         while at_old < kept or at_new < added:
             if at_new == added or (
-                at_old < kept and _shorter(tree, places, old[at_old], new[at_new])
+                at_old < kept and _shorter(first, second, places, old[at_old], new[at_new])
             ):
                 key = old[at_old]
                 at_old += 1

@@ -11,10 +11,8 @@ import numpy as np
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.GeomAbs import GeomAbs_Plane
-from OCP.GProp import GProp_GProps
 from OCP.ShapeFix import ShapeFix_Shape
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
@@ -25,8 +23,8 @@ from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_section import CHORD_TOLERANCE
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
-from v3dcad.kernel.shapes import FACE, SHELL, SOLID, bounds, compound, location, subshapes
-from v3dcad.model import Floats, Mesh, Placement, Section
+from v3dcad.kernel.shapes import FACE, SHELL, SOLID, bounds, compound, location, subshapes, volume
+from v3dcad.model import Brep, Floats, Mesh, Placement, Section
 
 TESSELLATION = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -51,17 +49,17 @@ class SolidPart:
     bounds: Floats
     findings: tuple[str, ...] = ()
     """what the user should know of how the file was read"""
+    stored: Brep | None = None
+    """the very bytes that the solids were read from, where they were"""
     placement: Placement = HERE
     """how it came to where it is from where its source lies"""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
-        properties = GProp_GProps()
-        BRepGProp.VolumeProperties_s(self.shape, properties)
         return {
             "solids": f"{sum(1 for _ in subshapes(self.shape, SOLID))}",
             "faces": f"{sum(1 for _ in subshapes(self.shape, FACE))}",
-            "volume": f"{properties.Mass():.6g} mm³",
+            "volume": f"{volume(self.shape):.6g} mm³",
         }
 
     def normal(self, face: int) -> Floats:
@@ -82,7 +80,8 @@ class SolidPart:
             return self
         shape = self.shape.Moved(location(placement))
         box = placement.to_bed(self.bounds) if placement.is_shift() else true_bounds(shape)
-        return replace(self, shape=shape, bounds=box, placement=self.placement.then(placement))
+        moved = self.placement.then(placement)
+        return replace(self, shape=shape, bounds=box, placement=moved, stored=None)
 
     def sections(
         self,

@@ -9,7 +9,9 @@ import numpy as np
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
 from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Trsf
+from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
@@ -54,9 +56,36 @@ def bounds(shape: TopoDS_Shape) -> Floats:
     )
 
 
+def volume(shape: TopoDS_Shape) -> float:
+    """Volume of a shape's solids, mm³."""
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
+def area(shape: TopoDS_Shape) -> float:
+    """Area of a shape's faces, mm²; faces that occur twice count twice."""
+    properties = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
 def location(placement: Placement) -> TopLoc_Location:
     """A placement as OCCT's location."""
     motion = gp_Trsf()
     rows = np.column_stack([placement.rotation, placement.translation])
     motion.SetValues(*(float(value) for value in rows.ravel()))
     return TopLoc_Location(motion)
+
+
+def placed_back(shape: TopoDS_Shape, placement: Placement) -> TopoDS_Shape:
+    """A shape on the bed, moved back to where its source lies."""
+    moved = shape.Moved(location(placement).Inverted())
+    motion = moved.Location().Transformation()
+    stays = all(
+        abs(motion.Value(row, column) - (row == column)) < 1e-12
+        for row in range(1, 4)
+        for column in range(1, 5)
+    )
+    # There and back again is nowhere: say so, rather than carry two motions that cancel out.
+    return moved.Located(TopLoc_Location()) if stays else moved

@@ -1,49 +1,116 @@
-"""Layers as B-rep wires: contours closed, walls edge by edge, sharing their vertices."""
+"""Layers as B-rep wires: contours on their exact curves, walls as lines, sharing their vertices."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from OCP.BRep import BRep_Builder
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+from OCP.Geom import Geom_Curve
 from OCP.gp import gp_Pnt
+from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 
-from v3dcad.kernel.shapes import compound
-from v3dcad.model import Diagram, Floats, Layer, Placement
-
-TOLERANCE = 1e-7
-"""OCCT's confusion; an edge shorter than this cannot be made, its ends are one vertex."""
+from v3dcad.geometry.contours import Stretch, contours
+from v3dcad.geometry.trails import trails
+from v3dcad.kernel.curves import TOLERANCE, hit, polyline, run_curve, span
+from v3dcad.kernel.shapes import compound, location
+from v3dcad.model import Floats, Ints, Layer, Placement
 
 
 def layer_wires(layer: Layer, placement: Placement) -> TopoDS_Compound:
     """One compound of a layer's wires, where the source lies.
 
-    Every contour is one closed wire, every wall one wire of one edge; all share vertices.
+    Every contour is one closed wire of lines, arcs and splines that end where walls do; every
+    wall is one wire of one edge; all share their vertices.
     """
-    diagram = layer.diagram
-    flat = np.column_stack([diagram.vertices, np.full(len(diagram.vertices), layer.z)])
-    corners = _Corners(placement.to_source(flat))
-    wires = [corners.wire(chain) for chain in _contours(diagram)]
-    wires += [corners.wire(edge) for edge in diagram.edges[diagram.inner()].tolist()]
+    drawing = _drawn(layer, placement)
+    corners = _Corners(drawing.points)
+    wires = [corners.wire(contour, closed=True) for contour in drawing.contours]
+    walls = (Arc(wall, None, 0.0, 0.0) for wall in drawing.walls.tolist())
+    wires += [corners.wire([wall], closed=False) for wall in walls]
     return compound(wire for wire in wires if wire is not None)
 
 
-def _contours(diagram: Diagram) -> list[list[int]]:
-    """The boundary edges chained into closed lists of vertex ids, the first id repeated last.
+def layer_trails(layer: Layer, placement: Placement) -> TopoDS_Compound:
+    """The same curves for a small file: straight ones chained into few B-splines of degree 1."""
+    drawing = _drawn(layer, placement)
+    arcs = [arc for contour in drawing.contours for arc in contour]
+    straight = [pair for arc in arcs if arc.curve is None for pair in pairwise(arc.chain)]
+    edges = np.concatenate([drawing.walls, np.array(straight, np.int64).reshape(-1, 2)])
+    far = np.ptp(drawing.points[edges], axis=1).max(axis=1, initial=0.0) > TOLERANCE
+    chains = [polyline(drawing.points[chain]) for chain in trails(edges[far])]
+    return compound(
+        [BRepBuilderAPI_MakeEdge(chain).Edge() for chain in chains]
+        + [
+            BRepBuilderAPI_MakeEdge(arc.curve, arc.first, arc.last).Edge()
+            for arc in arcs
+            if arc.curve is not None
+        ]
+    )
 
-    Where contours touch in a vertex, each way through it is taken once.
-    """
-    ways: dict[int, list[int]] = {}
-    for start, stop in diagram.edges[~diagram.inner()].tolist():
-        ways.setdefault(start, []).append(stop)
-    chains = []
-    for start in list(ways):
-        while ways[start]:
-            chain = [start, ways[start].pop()]
-            while chain[-1] != start:
-                chain.append(ways[chain[-1]].pop())
-            chains.append(chain)
-    return chains
+
+class Arc(NamedTuple):
+    """A stretch of a contour, where the source lies."""
+
+    chain: list[int]
+    """vertex ids along it"""
+    curve: Geom_Curve | None
+    """None where it is straight from vertex to vertex"""
+    first: float
+    last: float
+
+    def pieces(self) -> list[tuple[int, int, Arc | None]]:
+        """The edges it makes: one on a curve, and one for each straight segment."""
+        if self.curve is not None:
+            return [(self.chain[0], self.chain[-1], self)]
+        return [(a, b, None) for a, b in pairwise(self.chain)]
+
+
+class _Drawing(NamedTuple):
+    """What is to be drawn of a layer."""
+
+    points: Floats
+    """(v, 3) the diagram's vertices where the source lies; walls end on the exact contour"""
+    walls: Ints
+    """(m, 2) vertex ids"""
+    contours: list[list[Arc]]
+
+
+def _drawn(layer: Layer, placement: Placement) -> _Drawing:
+    diagram, section = layer.diagram, layer.section
+    points = np.column_stack([diagram.vertices, np.full(len(diagram.vertices), layer.z)])
+    walls = diagram.edges[diagram.inner()]
+    behind = dict(np.concatenate([walls, walls[:, ::-1]]).tolist())
+    found = contours(section, diagram)
+    runs = dict.fromkeys(stretch.run for contour in found for stretch in contour)
+    curves = {run: run_curve(run, section) for run in runs}
+    for stretch, following in (pair for contour in found for pair in _pairs_around(contour)):
+        end, curve = stretch.chain[-1], curves[stretch.run]
+        if curve is not None and following.run == stretch.run and end in behind:
+            points[end] = hit(curve, points[end], points[end] - points[behind[end]])
+    drawn = [
+        [_arc(stretch, curves[stretch.run], points) for stretch in contour] for contour in found
+    ]
+    back = location(placement).Inverted().Transformation()
+    for curve in curves.values():
+        if curve is not None:
+            curve.Transform(back)
+    return _Drawing(placement.to_source(points), walls, drawn)
+
+
+def _pairs_around(contour: list[Stretch]) -> Iterator[tuple[Stretch, Stretch]]:
+    return zip(contour, contour[1:] + contour[:1], strict=True)
+
+
+def _arc(stretch: Stretch, curve: Geom_Curve | None, points: Floats) -> Arc:
+    if curve is None:
+        return Arc(stretch.chain, None, 0.0, 0.0)
+    ends = points[stretch.chain[0]], points[stretch.chain[-1]]
+    return Arc(stretch.chain, curve, *span(curve, *ends))
 
 
 class _Corners:
@@ -54,30 +121,45 @@ class _Corners:
         self.made: dict[int, TopoDS_Vertex] = {}
         self.builder = BRep_Builder()
 
-    def wire(self, chain: list[int]) -> TopoDS_Wire | None:
-        """A wire along vertex ids; None where all its edges are shorter than the tolerance."""
+    def wire(self, arcs: list[Arc], closed: bool) -> TopoDS_Wire | None:
+        """A wire along arcs, each starting where the one before ends.
+
+        A segment no longer than the tolerance is passed over: its ends are one vertex. None where
+        nothing is left.
+        """
         wire = TopoDS_Wire()
         self.builder.MakeWire(wire)
-        edges = 0
-        start = chain[0]
-        for k, stop in enumerate(chain[1:], start=2):
-            short = np.linalg.norm(self.points[stop] - self.points[start]) <= TOLERANCE
-            if short and k < len(chain):
-                continue
-            if not short:
-                self.builder.Add(wire, self._edge(start, stop))
-                edges += 1
+        pieces = [piece for arc in arcs for piece in arc.pieces()]
+        edges, start = 0, pieces[0][0]
+        for place, (_, stop, arc) in enumerate(pieces, start=1):
+            if arc is None and self._one(start, stop):
+                if place < len(pieces):
+                    continue
+                break
+            edge = self._line(start, stop) if arc is None else self._edge(start, stop, arc)
+            self.builder.Add(wire, edge)
+            edges += 1
             start = stop
-        wire.Closed(chain[0] == chain[-1])
+        wire.Closed(closed)
         return wire if edges else None
 
-    def _edge(self, start: int, stop: int) -> TopoDS_Edge:
+    def _one(self, start: int, stop: int) -> bool:
+        return bool(np.linalg.norm(self.points[stop] - self.points[start]) <= TOLERANCE)
+
+    def _line(self, start: int, stop: int) -> TopoDS_Edge:
         return BRepBuilderAPI_MakeEdge(self._vertex(start), self._vertex(stop)).Edge()
+
+    def _edge(self, start: int, stop: int, arc: Arc) -> TopoDS_Edge:
+        edge = TopoDS_Edge()
+        self.builder.MakeEdge(edge, arc.curve, TOLERANCE)
+        self.builder.Add(edge, self._vertex(start))
+        self.builder.Add(edge, self._vertex(stop).Oriented(TopAbs_REVERSED))
+        self.builder.Range(edge, arc.first, arc.last)
+        return edge
 
     def _vertex(self, index: int) -> TopoDS_Vertex:
         vertex = self.made.get(index)
         if vertex is None:
             vertex = self.made[index] = TopoDS_Vertex()
-            x, y, z = self.points[index].tolist()
-            self.builder.MakeVertex(vertex, gp_Pnt(x, y, z), TOLERANCE)
+            self.builder.MakeVertex(vertex, gp_Pnt(*self.points[index].tolist()), TOLERANCE)
         return vertex

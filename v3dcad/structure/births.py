@@ -82,9 +82,12 @@ def _list_by_place(mesh, side, first, listed):  # type: ignore[no-untyped-def]
                 first[square] += first[square - 1]
 
 
-@njit(types.boolean(MESH, types.int64[::1], *[WORD] * 3, FLOAT, FLOAT, WORD, ROW, ROW), **INTERNAL)
+@njit(
+    types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 3, FLOAT, FLOAT, WORD, ROW, ROW),
+    **INTERNAL,
+)
 def keeps_distance(  # type: ignore[no-untyped-def]
-    mesh, growth, x, y, grows, reach, farthest, side, first, listed
+    points, growth, x, y, grows, reach, farthest, side, first, listed
 ):
     """Whether a site at (x, y) is apart from every listed point; none is asked for more than
     `farthest` grid steps.
@@ -95,7 +98,7 @@ def keeps_distance(  # type: ignore[no-untyped-def]
         for column in range(max(west, 0), min(east, side - 1) + 1):
             square = row * side + column
             for place in range(first[square], first[square + 1]):
-                if not is_apart(mesh.points, growth, listed[place], x, y, grows, reach):
+                if not is_apart(points, growth, listed[place], x, y, grows, reach):
                     return False
     return True
 
@@ -145,11 +148,10 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@njit(types.boolean(MOTION, WORD, FLOAT), **INLINED)
-def ripe(motion, point, gain):  # type: ignore[no-untyped-def]
+@njit(types.boolean(WORD, WORD, WORD, FLOAT), **INLINED)
+def ripe(born, growth, now, gain):  # type: ignore[no-untyped-def]
     """Whether a point is no newborn, or has gained so much weight since its birth, steps²."""
-    age = motion.state[NOW] - motion.born[point]
-    return motion.born[point] == ALWAYS or motion.growth[point] * age >= gain
+    return born == ALWAYS or growth * (now - born) >= gain
 
 
 @njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
@@ -172,7 +174,8 @@ def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-u
     weight `gain`, steps²: around its tiny cell the hole still looks as large as before.
     There must be room for them in points and log.
     """
-    points, triangles, growth = mesh.points, mesh.triangles, motion.growth
+    points, triangles = mesh.points, mesh.triangles
+    growth, births = motion.growth, motion.born
     time, total = motion.state[NOW], mesh.count[TRIANGLES]
     holes, places = np.empty(total), np.empty(total, np.int32)
     side = int(np.sqrt(mesh.count[POINTS] / 4)) + 1
@@ -186,13 +189,19 @@ def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-u
         if inside[triangle] != 1 or triangles[triangle, 0] == NOTHING:
             continue
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        if ripe(motion, a, gain) and ripe(motion, b, gain) and ripe(motion, c, gain):
+        if (
+            ripe(births[a], growth[a], time, gain)
+            and ripe(births[b], growth[b], time, gain)
+            and ripe(births[c], growth[c], time, gain)
+        ):
             x, y, grows = newborn_at(points, growth, a, b, c)
             if (
                 is_apart(points, growth, a, x, y, grows, reach)
                 and is_apart(points, growth, b, x, y, grows, reach)
                 and is_apart(points, growth, c, x, y, grows, reach)
-                and keeps_distance(mesh, growth, x, y, grows, reach, farthest, side, first, listed)
+                and keeps_distance(
+                    points, growth, x, y, grows, reach, farthest, side, first, listed
+                )
             ):
                 holes[length], places[length] = orthocentre_power(points, a, b, c), triangle
                 length += 1

@@ -30,7 +30,10 @@ again and again, whatever the number of layers."""
 
 
 def fill_sections(
-    sections: Sequence[Section], sites: Floats, settings: FillSettings
+    sections: Sequence[Section],
+    sites: Floats,
+    settings: FillSettings,
+    box: Floats | None = None,
 ) -> Filling | ThesisFilling:
     """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
 
@@ -39,6 +42,10 @@ def fill_sections(
     Where cells become larger than on the first layer, new ones are born (unless
     `settings.insertion` is off). With `settings.method` "thesis" the thesis's own algorithms make
     the layers. Sites on the same grid point are merged, with a warning.
+
+    The grid lies around `box`, the corners low and high (2, 2), mm, of the part's base rectangle,
+    and all sites. Without a box it lies around the rings' points, whose last bits another way of
+    cutting the same part may change.
 
     Raises `GeometryError` for a site or section that cannot be computed with (faulty rings are
     found when their layer is), `SettingError` for an offset that lets walls lean more than
@@ -54,7 +61,8 @@ def fill_sections(
         raise GeometryError(
             "it does not lie above the layer before: sort the sections by z", layer=int(layer) + 1
         )
-    grid = Grid.around(*_bounds(sections, sites))
+    low, high = _bounds(sections, sites) if box is None else _around(sites, box)
+    grid = Grid.around(low, high)
     places = grid.snap(sites)
     kept = np.sort(np.unique(places, axis=0, return_index=True)[1])
     if len(kept) < len(places):
@@ -66,13 +74,19 @@ def fill_sections(
         places = places[kept]
     if settings.method == "thesis":
         return ThesisFilling(sections, places, grid, settings)
-    return Filling(sections, places, grid, settings)
+    return Filling(sections, places, grid, settings, np.stack([low, high]))
+
+
+def _around(sites: Floats, box: Floats) -> tuple[Floats, Floats]:
+    """The box low, high (2,), mm, around another and all sites that are finite numbers."""
+    sound = sites[np.isfinite(sites).all(axis=1)]
+    low = np.minimum(box[0], sound.min(axis=0, initial=np.inf))
+    return low, np.maximum(box[1], sound.max(axis=0, initial=-np.inf))
 
 
 def _bounds(sections: Sequence[Section], sites: Floats) -> tuple[Floats, Floats]:
     """The box low, high (2,), mm, around all rings and all sites that are finite numbers."""
-    sound = sites[np.isfinite(sites).all(axis=1)]
-    low, high = [sound.min(axis=0, initial=np.inf)], [sound.max(axis=0, initial=-np.inf)]
+    low, high = [np.full(2, np.inf)], [np.full(2, -np.inf)]
     for start in range(0, len(sections), AT_ONCE):
         chunk = sections[start : start + AT_ONCE]
         rings = [ring for section in chunk for ring in section.rings]
@@ -84,7 +98,7 @@ def _bounds(sections: Sequence[Section], sites: Floats) -> tuple[Floats, Floats]
                         raise GeometryError("its rings are not finite numbers", layer=layer)
             low.append(corners.min(axis=0))
             high.append(corners.max(axis=0))
-    return np.min(low, axis=0), np.max(high, axis=0)
+    return _around(sites, np.stack([np.min(low, axis=0), np.max(high, axis=0)]))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -121,10 +135,17 @@ class Filling:
     """
 
     def __init__(
-        self, sections: Sequence[Section], places: Ints, grid: Grid, settings: FillSettings
+        self,
+        sections: Sequence[Section],
+        places: Ints,
+        grid: Grid,
+        settings: FillSettings,
+        box: Floats,
     ) -> None:
         self.sections = sections
         self.grid = grid
+        self.box = np.array([box[0], [box[1, 0], box[0, 1]], box[1], [box[0, 0], box[1, 1]]])
+        """the base rectangle: corners (4, 2), mm, of the box around all sections and sites"""
         order = curve_order(places)
         still = np.zeros(len(places), np.int64)
         grows = _growing(places, triangulation(places[order], still), order)
@@ -165,12 +186,6 @@ class Filling:
         times = times_of(self._heights, self.growth_step, self.grid)
         layers = np.searchsorted(times, sites.born[newborn])
         return np.column_stack([layers, sites.site_of[newborn]])
-
-    @property
-    def box(self) -> Floats:
-        """The base rectangle: corners (4, 2), mm, of the box around all sections and sites."""
-        low, high = _bounds(self.sections, self.sites)
-        return np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
 
     @property
     def history(self) -> History:
@@ -224,13 +239,15 @@ class Filling:
             return
         course = self._course(self._start, self._heights)
         while index < len(sections):
-            # The first layer by itself: what it has of area per cell is the measure for births.
+            # The first layer by itself: what it has of area per cell is the measure for births;
+            # where the part stands on a point or an edge, what each site has of the base rectangle.
             vertices = 2 * len(self._start.places) + sum(map(len, sections[index].rings))
             some = max(1, min(AT_ONCE, VERTICES_AT_ONCE // vertices)) if index else 1
             for layer in course.run(sections[index : index + some], index, full_cell):
                 yield layer
             if index == 0 and self.settings.insertion and self.growth_step > 0:
-                full_cell = layer.area_per_cell or np.inf
+                rectangle = float(np.prod(self.box[2] - self.box[0]))
+                full_cell = layer.area_per_cell or rectangle / len(self._start.places)
             index += some
         self._history = History(course.sites(), course.tracks())
 

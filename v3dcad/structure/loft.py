@@ -29,6 +29,8 @@ class LoftedLayers(Sequence[Layer]):
     """its diagram's vertices and edges in the order of the first one's"""
     heights: Floats
     """(l,) mm, where the layers are"""
+    contours: tuple[Ints, ...]
+    """vertex ids of the contour's rings, each (k,)"""
 
     def __len__(self) -> int:
         return len(self.heights)
@@ -46,7 +48,7 @@ class LoftedLayers(Sequence[Layer]):
         below = start.diagram
         vertices = (1 - share) * below.vertices + share * stop.diagram.vertices
         diagram = Diagram(vertices, below.edges, below.edge_sites, below.neighbours)
-        contours = tuple(vertices[ring] for ring in rings(below, OUTSIDE))
+        contours = tuple(vertices[ring] for ring in self.contours)
         state = SiteState(
             sites=start.state.sites,
             weights=(1 - share) * start.state.weights + share * stop.state.weights,
@@ -85,7 +87,8 @@ def lofted(filling: ThesisFilling, heights: Floats) -> LoftedLayers:
         return Layer(index, section, state, diagram, tree, _area_per_cell(diagram, len(growth)))
 
     first = layer(0, start, weightless, below)
-    return LoftedLayers(first, layer(len(heights) - 1, stop, grown, above), heights)
+    last = layer(len(heights) - 1, stop, grown, above)
+    return LoftedLayers(first, last, heights, tuple(rings(below, OUTSIDE)))
 
 
 def _area_per_cell(diagram: Diagram, count: int) -> float:

@@ -1,0 +1,126 @@
+"""Wires of a layer: on the exact curves, sharing vertices, the same length as computed apart."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from occt import distinct, edges_of, is_valid, length_of
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve
+from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Ellipse
+from OCP.TopAbs import TopAbs_VERTEX
+from OCP.TopoDS import TopoDS
+from one_diagram import GRID, power_diagram
+
+from v3dcad.geometry.contours import contours
+from v3dcad.kernel.wires import layer_trails, layer_wires
+from v3dcad.model import Floats, Layer, Placement, Run, Section, SiteState
+
+PLACEMENT = Placement(np.eye(3), np.array([3.0, -7.0, 11.0]))
+NONE = np.empty((0, 2), np.int64)
+
+
+def around(count: int, rx: float, ry: float, turn: float = 0.0, way: int = 1) -> Floats:
+    angle = way * np.linspace(0, 2 * np.pi, count, endpoint=False)
+    flat = np.column_stack([rx * np.cos(angle), ry * np.sin(angle)])
+    c, s = math.cos(turn), math.sin(turn)
+    return flat @ np.array([[c, s], [-s, c]])
+
+
+def layer_of(section: Section, sites: Floats) -> Layer:
+    diagram = power_diagram(sites, np.zeros(len(sites)), section)
+    zeros = np.zeros(len(sites))
+    return Layer(0, section, SiteState(sites, zeros, zeros, zeros), diagram, NONE, 1.0)
+
+
+def sites_in(radius: float, count: int = 25) -> Floats:
+    return GRID.millimetres(
+        GRID.snap(np.random.default_rng(5).uniform(-radius, radius, (count, 2)))
+    )
+
+
+def washer() -> Section:
+    """A disc of radius 10 with a hole of radius 4, each ring in two runs of one circle."""
+    outer, hole = around(96, 10, 10), around(48, 4, 4, way=-1)
+    runs = [Run(0, 0, 40, "circle", 0, (0.0, 0.0, 10.0)), Run(0, 40, 96, "circle", 1, (0, 0, 10.0))]
+    runs += [Run(1, 0, 48, "circle", 2, (0.0, 0.0, 4.0))]
+    return Section(2.0, (outer, hole), tuple(runs))
+
+
+def test_contours_are_true_arcs_between_the_walls() -> None:
+    layer = layer_of(washer(), sites_in(10))
+    for shape in (layer_wires(layer, PLACEMENT), layer_trails(layer, PLACEMENT)):
+        assert is_valid(shape)
+        arcs = [c for c in map(BRepAdaptor_Curve, edges_of(shape)) if c.GetType() == GeomAbs_Circle]
+        swept = {10.0: 0.0, 4.0: 0.0}
+        for arc in arcs:
+            swept[round(arc.Circle().Radius(), 9)] += arc.LastParameter() - arc.FirstParameter()
+            centre = arc.Circle().Location()
+            assert (centre.X(), centre.Y(), centre.Z()) == pytest.approx((-3, 7, -9), abs=1e-12)
+        assert swept == {10.0: pytest.approx(2 * math.pi), 4.0: pytest.approx(2 * math.pi)}
+        hits = sum(len(contour) for contour in contours(layer.section, layer.diagram))
+        assert len(arcs) == hits > 10
+    walls = layer.diagram.lengths()[layer.diagram.inner()].sum()
+    # Walls end on the arcs now, not on the chords: by less than the chords' sag.
+    exact = length_of(layer_wires(layer, PLACEMENT))
+    assert exact == pytest.approx(2 * math.pi * 14 + walls, abs=0.006 * hits)
+    assert exact == pytest.approx(length_of(layer_trails(layer, PLACEMENT)), rel=1e-12)
+
+
+def test_walls_end_on_the_arcs_and_keep_their_lines() -> None:
+    layer = layer_of(washer(), sites_in(10))
+    shape = layer_wires(layer, PLACEMENT)
+    points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(corner)) for corner in distinct(shape, TopAbs_VERTEX)]
+    places = np.array([(p.X() + 3, p.Y() - 7) for p in points])
+    # Every vertex is an interior one of the diagram, or lies on a circle.
+    radius = np.hypot(*places.T)
+    on = np.isclose(radius, 10, atol=1e-9) | np.isclose(radius, 4, atol=1e-9)
+    diagram = layer.diagram
+    inner_ends = diagram.vertices[np.unique(diagram.edges[diagram.inner()])]
+    rest = np.min(np.hypot(*(places[~on, None] - inner_ends).transpose(2, 0, 1)), axis=1)
+    assert rest.max() < 1e-9
+    # A wall's end has moved along the bisector of its two sites.
+    sites = layer.state.sites
+    distance = np.sort(np.hypot(*(places[on, None] - sites).transpose(2, 0, 1)), axis=1)
+    shared = np.isclose(distance[:, 0], distance[:, 1], atol=1e-9)
+    assert shared.sum() >= on.sum() - 2  # the seam's vertices alone are no walls' ends
+
+
+def test_an_ellipse_and_a_spline() -> None:
+    ring = around(300, 12, 5, turn=0.4)
+    parameters = (0.0, 0.0, 12 * math.cos(0.4), 12 * math.sin(0.4), 5 / 12)
+    exact = length_of(layer_wires(layer_of(Section(1.0, (ring,), ()), np.zeros((1, 2))), PLACEMENT))
+    lengths = {}
+    for curve, known in (("ellipse", parameters), ("points", ())):
+        section = Section(1.0, (ring,), (Run(0, 0, 300, curve, 0, known),))
+        layer = layer_of(section, sites_in(9, 12))
+        shape = layer_wires(layer, PLACEMENT)
+        assert is_valid(shape)
+        outline = [BRepAdaptor_Curve(edge) for edge in edges_of(shape)]
+        kinds = [curve.GetType() == GeomAbs_Ellipse for curve in outline]
+        assert any(kinds) == (curve == "ellipse")
+        walls = layer.diagram.lengths()[layer.diagram.inner()].sum()
+        lengths[curve] = length_of(shape) - walls
+    assert lengths["points"] == pytest.approx(lengths["ellipse"], rel=1e-6)
+    assert lengths["ellipse"] == pytest.approx(exact, rel=2e-4)
+
+
+def test_a_circle_no_wall_ends_on_is_one_edge() -> None:
+    section = replace(washer(), rings=(around(96, 10, 10),), runs=washer().runs[:1])
+    section = replace(section, runs=(Run(0, 0, 96, "circle", 0, (0.0, 0.0, 10.0)),))
+    shape = layer_wires(layer_of(section, np.zeros((1, 2))), PLACEMENT)
+    assert is_valid(shape)
+    assert len(edges_of(shape)) == 1
+    assert length_of(shape) == pytest.approx(20 * math.pi)
+
+
+def test_triangles_have_straight_contours() -> None:
+    ring = around(7, 10, 10)
+    layer = layer_of(Section(1.0, (ring,)), sites_in(8, 9))
+    shape = layer_wires(layer, PLACEMENT)
+    assert is_valid(shape)
+    assert length_of(shape) == pytest.approx(layer.diagram.lengths().sum(), rel=1e-12)
+    assert len(edges_of(shape)) == len(layer.diagram.edges)

@@ -1,0 +1,242 @@
+"""What a structure gives as CAD, written and read back by others: OCCT, lib3mf, trimesh."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from build123d import Axis, Box, Cylinder, Pos, fillet
+from lib3mf import Lib3MF
+from occt import area_of, box_of, is_valid, length_of, read_step, solids_of, volume_of
+from OCP.BRep import BRep_Builder
+from OCP.BRepTools import BRepTools
+from OCP.TopoDS import TopoDS_Shape
+
+import v3dcad
+from v3dcad import KernelError, SettingError, Structure
+from v3dcad.geometry.mesh_union import mesh_volume
+
+SETTINGS = {"sites": 12, "layer_height": 1.0, "offset": 0.3}
+
+
+def part() -> Box:
+    body = Box(30, 24, 12) - Cylinder(5, 12)
+    return Pos(7, -3, 20) * fillet(body.edges().filter_by(Axis.Z), 3)
+
+
+@pytest.fixture(scope="module")
+def structure() -> Structure:
+    return v3dcad.fill(part(), **SETTINGS)
+
+
+def test_cells_add_up_and_lie_where_the_part_lies(structure: Structure) -> None:
+    cells = structure.cells()
+    assert sum(map(volume_of, cells)) == pytest.approx(part().volume, rel=1e-8)
+    faces = structure.faces()
+    assert is_valid(faces)
+    low, high = part().bounding_box().min, part().bounding_box().max
+    box = box_of(faces)
+    assert (box[0] >= np.array(tuple(low)) - 1e-3).all()
+    assert (box[1] <= np.array(tuple(high)) + 1e-3).all()
+    assert box[:, 2] == pytest.approx([14, 26], abs=1e-3)  # from the base to the very top
+
+
+def test_layers_are_slices_of_the_faces(structure: Structure) -> None:
+    """∫ wall length dz of fine layers = Σ wall area · cos(tilt from vertical)."""
+    fine = v3dcad.fill(part(), sites=structure.sites, layer_height=0.05, offset=0.3 * 0.05)
+    lengths = [layer.diagram.lengths()[layer.diagram.inner()].sum() for layer in fine.layers]
+    swept = 0.05 * (sum(lengths) - lengths[0] / 2 + lengths[-1] / 2)
+    area = area_of(fine.faces())
+    assert swept < area
+    growth = structure.walls.tilts
+    assert swept > area * np.cos(np.radians(growth.max())) * 0.999
+
+
+@pytest.mark.parametrize("schema", ["AP214", "AP242"])
+def test_wires_in_step(structure: Structure, tmp_path: Path, schema: str) -> None:
+    structure.write_step(tmp_path / "a.step", schema=schema)
+    shapes = read_step(tmp_path / "a.step")
+    assert list(shapes) == [f"layer {layer.index} z {layer.z:g}" for layer in structure.layers]
+    assert all(map(is_valid, shapes.values()))
+    assert sum(map(length_of, shapes.values())) == pytest.approx(
+        length_of(structure.wires()), rel=1e-9
+    )
+    for layer, shape in zip(structure.layers, shapes.values(), strict=True):
+        assert box_of(shape)[:, 2] == pytest.approx(layer.z + 14, abs=1e-6)
+    structure.write_step(tmp_path / "b.step", schema=schema)
+    assert (tmp_path / "a.step").read_bytes() == (tmp_path / "b.step").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("form", "sizes", "measure"),
+    [
+        ("faces", {}, area_of),
+        ("cells", {}, volume_of),
+        ("solid", {"thickness": 1.0}, volume_of),
+        ("struts", {"diameter": 1.5}, volume_of),
+        ("struts", {"diameter": 1.5, "cut": True}, volume_of),
+    ],
+)
+def test_forms_come_back_from_step_and_brep(
+    structure: Structure, tmp_path: Path, form: str, sizes: dict[str, float], measure
+) -> None:
+    made = getattr(structure, form)(**sizes)
+    expected = sum(map(measure, made)) if form == "cells" else measure(made)
+    assert expected > 100
+    structure.write_step(tmp_path / "a.step", form, **sizes)
+    shapes = read_step(tmp_path / "a.step")
+    assert all(map(is_valid, shapes.values()))
+    assert sum(map(measure, shapes.values())) == pytest.approx(expected, rel=1e-6)
+    structure.write_step(tmp_path / "b.step", form, **sizes)
+    assert (tmp_path / "a.step").read_bytes() == (tmp_path / "b.step").read_bytes()
+    assert "COLOUR_RGB" in (tmp_path / "a.step").read_text(encoding="utf-8")
+    structure.write_brep(tmp_path / "a.brep", form, **sizes)
+    again = TopoDS_Shape()
+    BRepTools.Read_s(again, str(tmp_path / "a.brep"), BRep_Builder())
+    assert measure(again) == pytest.approx(expected, rel=1e-9)
+
+
+def test_struts_cut_and_fused() -> None:
+    structure = v3dcad.fill(Box(20, 20, 10), sites=6, layer_height=1.0, offset=0.2)
+    fused = structure.struts(1.5, fuse=True)
+    assert is_valid(fused)
+    assert volume_of(fused) == pytest.approx(mesh_volume(structure.strut_mesh(1.5)), rel=0.06)
+    assert volume_of(fused) < volume_of(structure.struts(1.5))
+    cut = structure.struts(1.5, fuse=True, cut=True)
+    assert 0 < volume_of(cut) < volume_of(fused)
+    assert (np.abs(box_of(cut)) <= np.array([10, 10, 5]) + 1e-6).all()
+    many = v3dcad.fill(Box(40, 40, 10), sites=150, layer_height=1.0, offset=0.1)
+    with pytest.raises(KernelError, match="more than the 200 that OCCT unites") as refused:
+        many.struts(0.5, fuse=True)
+    for way in ("write_stl", "write_3mf", "compound"):
+        assert way in str(refused.value)
+
+
+@pytest.mark.parametrize("profile", ["rectangle", "rounded"])
+def test_beads_have_the_volume_of_their_parts(profile: str, tmp_path: Path) -> None:
+    structure = v3dcad.fill(Box(20, 20, 2), sites=4, layer_height=0.5, offset=0.05)
+    beads = structure.beads(0.8, profile)
+    assert is_valid(beads)
+    area = 0.8 * 0.5 if profile == "rectangle" else 0.3 * 0.5 + np.pi * 0.25**2
+    # Pappus: a profile's half turned about the middle.
+    joint = np.pi * 0.4**2 * 0.5
+    if profile == "rounded":
+        joint = np.pi * (0.15**2 * 0.5 + 2 * (0.15 * np.pi * 0.25**2 / 2 + 2 / 3 * 0.25**3))
+    diagrams = [layer.diagram for layer in structure.layers]
+    expected = sum(area * d.lengths().sum() + joint * len(d.vertices) for d in diagrams)
+    assert volume_of(beads) == pytest.approx(expected, rel=1e-9)
+    structure.write_step(tmp_path / "a.step", "beads", width=0.8, profile=profile)
+    assert list(read_step(tmp_path / "a.step"))[1] == "layer 1 z 0.5"
+
+
+def test_thick_walls_as_mesh_and_solid_agree(structure: Structure, tmp_path: Path) -> None:
+    structure.write_stl(tmp_path / "a.stl", "solid", thickness=1.0)
+    mesh = trimesh.load(tmp_path / "a.stl")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(volume_of(structure.solid(1.0)), rel=2e-3)
+    assert mesh.bounds == pytest.approx(box_of(structure.solid(1.0)), abs=1e-3)
+
+
+def test_triangles_have_thick_walls_too(samples: Path, tmp_path: Path) -> None:
+    pyramid = v3dcad.fill(samples / "pyramid.stl", sites=9, layer_height=5.0, offset=1.0)
+    mesh = pyramid.solid_mesh(2.0)
+    assert 0 < mesh_volume(mesh) < mesh_volume(pyramid.part.mesh())
+    pyramid.write_3mf(tmp_path / "a.3mf", "solid", thickness=2.0)
+    with pytest.raises(KernelError, match="made of triangles"):
+        pyramid.cells()
+
+
+def test_bead_mesh_is_closed(tmp_path: Path) -> None:
+    structure = v3dcad.fill(Box(20, 20, 2), sites=4, layer_height=0.5, offset=0.05)
+    structure.write_3mf(tmp_path / "a.3mf", "beads", width=0.8)
+    model = Lib3MF.Wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(tmp_path / "a.3mf"))
+    objects = model.GetMeshObjects()
+    assert objects.MoveNext()
+    assert objects.GetCurrentMeshObject().IsManifoldAndOriented()
+    structure.write_stl(tmp_path / "a.stl", "beads", width=0.8)
+    mesh = trimesh.load(tmp_path / "a.stl")
+    # Layers may touch in an edge, which STL, having no ids, gives four triangles.
+    uses = np.unique(np.sort(mesh.edges, axis=1), axis=0, return_counts=True)[1]
+    assert (uses % 2 == 0).all()
+    assert mesh.bounds == pytest.approx(np.array([[-10.4, -10.4, -1], [10.4, 10.4, 1]]), abs=1e-2)
+    lengths = sum(layer.diagram.lengths().sum() for layer in structure.layers)
+    assert 0.85 * lengths * 0.4 < mesh.volume < lengths * 0.4
+
+
+def test_walls_of_zero_thickness(structure: Structure, tmp_path: Path) -> None:
+    structure.write_stl(tmp_path / "a.stl")
+    structure.write_stl(tmp_path / "b.stl", "walls", ascii=True)
+    edges = sum(len(layer.diagram.edges) for layer in structure.layers)
+    lengths = sum(layer.diagram.lengths().sum() for layer in structure.layers)
+    for name in ("a.stl", "b.stl"):
+        mesh = trimesh.load(tmp_path / name, process=False)
+        assert len(mesh.faces) == 2 * edges
+        assert mesh.area == pytest.approx(lengths, rel=1e-5)
+
+
+def test_beams_are_the_struts(structure: Structure, tmp_path: Path) -> None:
+    structure.write_3mf(tmp_path / "a.3mf", "beams", diameter=1.5)
+    model = Lib3MF.Wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(tmp_path / "a.3mf"))
+    objects, found = model.GetMeshObjects(), {}
+    while objects.MoveNext():
+        item = objects.GetCurrentMeshObject()
+        found[item.BeamLattice().GetBeamCount() > 0] = item
+    lattice, fallback = found[True], found[False]
+    facets = structure.facets()
+    beams = lattice.BeamLattice().GetBeams()
+    assert [tuple(beam.Indices) for beam in beams] == [tuple(s) for s in facets.struts().tolist()]
+    assert {tuple(beam.Radii) for beam in beams} == {(0.75, 0.75)}
+    places = np.array([tuple(place.Coordinates) for place in lattice.GetVertices()])
+    assert places == pytest.approx(structure.placement.to_source(facets.points), abs=1e-5)
+    assert lattice.BeamLattice().GetRepresentation() == (True, fallback.GetResourceID())
+    assert fallback.IsManifoldAndOriented()
+    structure.write_3mf(tmp_path / "b.3mf", "beams", diameter=1.5)
+    assert (tmp_path / "a.3mf").read_bytes() == (tmp_path / "b.3mf").read_bytes()
+
+
+def test_svg_shows_every_edge(structure: Structure, tmp_path: Path) -> None:
+    structure.write_svg(tmp_path / "a.svg", layer=-1)
+    text = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    *_, last = structure.layers
+    number = r"(-?[\d.]+)"
+    rows = re.findall(rf"M{number} {number}L{number} {number}", text)
+    ends = np.array(rows, np.float64)
+    lengths = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1])
+    assert lengths.sum() == pytest.approx(last.diagram.lengths().sum(), rel=1e-5)
+    assert f"layer {last.index}" in text
+
+
+def test_the_thesis_has_no_walls_in_space() -> None:
+    structure = v3dcad.fill(Box(20, 20, 5), method="thesis", sites=6, layer_height=1.0, offset=0.1)
+    with pytest.raises(v3dcad.V3dcadError, match=r"walls.*thesis|thesis.*walls"):
+        structure.faces()
+    assert len(solids_of(structure.beads(0.8, "rectangle"))) > 10
+
+
+def test_mistakes_are_named(structure: Structure, tmp_path: Path) -> None:
+    for wrong in (
+        lambda: structure.struts(0),
+        lambda: structure.beads(0),
+        lambda: structure.write_3mf(tmp_path / "a.3mf", diameter=-1),
+        lambda: structure.write_stl(tmp_path / "a.stl", "solid", thickness=0),
+    ):
+        with pytest.raises(SettingError, match="give a number above 0 mm"):
+            wrong()
+    with pytest.raises(SettingError, match="solid needs a thickness"):
+        structure.write_stl(tmp_path / "a.stl", "solid")
+    with pytest.raises(SettingError, match="wires has no diameter"):
+        structure.write_step(tmp_path / "a.step", "wires", diameter=1)
+    with pytest.raises(SettingError, match="form 'foam'"):
+        structure.write_step(tmp_path / "a.step", "foam")
+    with pytest.raises(SettingError, match="form 'foam'"):
+        structure.write_stl(tmp_path / "a.stl", "foam")
+    with pytest.raises(SettingError, match="AP214 or AP242"):
+        structure.write_step(tmp_path / "a.step", schema="AP203")
+    with pytest.raises(SettingError, match=r"rounded bead 0\.5 mm wide"):
+        structure.beads(0.5)
+    assert not list(tmp_path.iterdir())

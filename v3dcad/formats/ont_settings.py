@@ -1,0 +1,75 @@
+"""The settings in an `.ont` file, made from their declarations."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, get_args, get_type_hints
+
+from v3dcad.errors import SettingError
+from v3dcad.formats.numbers import number_in, number_text
+from v3dcad.formats.ont_sections import Field
+from v3dcad.settings import FillSettings
+
+IN_OWN_SECTIONS = ("offset", "layer_height")
+"""Settings that the thesis gives a section each."""
+
+ALWAYS = ("random_seed",)
+"""Settings that are written even where they are the default."""
+
+
+def settings_fields(settings: FillSettings) -> dict[str, str]:
+    """The settings that differ from their defaults, by name, as text."""
+    defaults = FillSettings()
+    return {
+        name: _text(getattr(settings, name))
+        for name in FillSettings.__dataclass_fields__
+        if name not in IN_OWN_SECTIONS
+        and (name in ALWAYS or getattr(settings, name) != getattr(defaults, name))
+    }
+
+
+def settings_from(
+    fields: dict[str, Field], offset: float, layer_height: float, sites: int | None
+) -> FillSettings:
+    """The settings in a file, the others at their defaults; `sites` where the file lists them.
+
+    Raises `FormatError` for a setting that is not known, or a value that is none or out of range.
+    """
+    hints = get_type_hints(FillSettings)
+    chosen: dict[str, Any] = {"offset": offset, "layer_height": layer_height}
+    for name, field in fields.items():
+        if name not in hints or name in IN_OWN_SECTIONS:
+            raise field.error(
+                f"the setting {name[:40]!r} is unknown to this v3dcad; update it, since the "
+                "structure depends on it"
+            )
+        chosen[name] = _value(field, hints[name])
+        try:
+            FillSettings(**{name: chosen[name]})
+        except SettingError as error:
+            raise field.error(str(error)) from error
+    if sites is not None and chosen.setdefault("sites", sites) != sites:
+        raise fields["sites"].error(f"announces {chosen['sites']} sites, {sites} are given")
+    return FillSettings(**chosen)
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return number_text(value) if isinstance(value, float) else str(value)
+
+
+def _value(field: Field, hint: Any) -> object:
+    """The value that a field's text stands for, given the setting's type."""
+    kinds = get_args(hint) or (hint,)
+    text = field.value
+    if bool in kinds and text in ("true", "false"):
+        return text == "true"
+    if int in kinds and re.fullmatch("[0-9]{1,19}", text):
+        return int(text)
+    number = number_in(text)
+    if float in kinds and number is not None:
+        return number
+    if text in kinds or (str in kinds and re.fullmatch(r"[\w.+-]{1,64}", text, re.ASCII)):
+        return text
+    raise field.error(f"{text[:40]!r} is not a value of this setting")

@@ -1,0 +1,272 @@
+"""What a structure is as CAD: wires, walls, cells, thick walls, struts and beads, and their files.
+
+Shapes are OCP's (`TopoDS_Shape`), as build123d and CadQuery wrap them, and lie where the source
+lies. The kernel is loaded when a form is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from v3dcad.errors import KernelError, SettingError
+from v3dcad.files import written_beside
+from v3dcad.model import Floats, Layer, Mesh, Part, Placement
+
+if TYPE_CHECKING:
+    from v3dcad.geometry.facets import Facets
+    from v3dcad.kernel.step import Named
+
+FORMS = ("wires", "faces", "cells", "solid", "struts", "beads")
+"""What `write_step` and `write_brep` know."""
+
+MESHES = ("walls", "solid", "struts", "beads")
+"""What `write_stl` knows; all but the zero-thickness walls are closed meshes."""
+
+
+class Forms:
+    """The CAD side of a structure; sizes are in mm.
+
+    `thickness` is that of walls, `skin` (0: none) that of a hull around them, `diameter` that of
+    struts, `width` that of beads.
+    """
+
+    __slots__ = ()
+
+    part: Part
+    placement: Placement
+    settings: Any
+    layers: Sequence[Layer]
+
+    def facets(self) -> Facets:
+        """The walls between cells in space, bed coordinates, from base to top.
+
+        Raises `SettingError` for the thesis's method: its cells jump from layer to layer.
+        """
+        raise NotImplementedError
+
+    def wires(self) -> Any:
+        """A compound for each layer: contours on their exact curves, walls as lines."""
+        from v3dcad.kernel.shapes import compound
+        from v3dcad.kernel.wires import layer_wires
+
+        return compound(layer_wires(layer, self.placement) for layer in self.layers)
+
+    def faces(self) -> Any:
+        """The walls inside the part as plane faces: shells of faces that share their edges."""
+        from v3dcad.kernel.cells import cut_walls
+        from v3dcad.kernel.shapes import compound
+
+        return compound(cut_walls(self._solid(), self.facets(), self.placement))
+
+    def cells(self) -> list[Any]:
+        """The cells inside the part as solids, neighbours sharing faces; they add up to it."""
+        from v3dcad.kernel.cells import cut_cells
+
+        return cut_cells(self._solid(), self.facets(), self.placement)
+
+    def solid(self, thickness: float, skin: float = 0.0) -> Any:
+        """The part with walls of a thickness in place of its inside, and a closed skin if asked."""
+        from v3dcad.kernel.cells import thick_walls
+
+        return thick_walls(self._solid(), self.facets(), self.placement, thickness, skin)
+
+    def struts(self, diameter: float, *, cut: bool = False, fuse: bool = False) -> Any:
+        """Cylinders along the lines where cells meet, spheres at their ends, as a compound.
+
+        They reach over the part's surface unless they are `cut` to the part. `fuse` makes one
+        solid of them, up to `FUSE_LIMIT` struts. Raises as `fused_bars` does.
+        """
+        from v3dcad.kernel.shapes import compound
+        from v3dcad.kernel.struts import bars, cut_bars, fused_bars
+
+        points, struts = self._axes()
+        made = [fused_bars(points, struts, diameter)] if fuse else bars(points, struts, diameter)
+        return compound(cut_bars(made, self._solid()) if cut else made)
+
+    def beads(self, width: float, profile: str = "rounded") -> Any:
+        """What is printed, a compound for each layer: a profile swept along every line.
+
+        `profile` is "rounded" or "rectangle", as high as a layer.
+        """
+        from v3dcad.kernel.shapes import compound
+
+        return compound(bead for _, bead in self._beads(width, profile))
+
+    def strut_mesh(self, diameter: float) -> Mesh:
+        """The struts and their joints united, as a closed mesh where the source lies."""
+        from v3dcad.geometry.bars import bar_mesh
+
+        return bar_mesh(*self._axes(), diameter)
+
+    def solid_mesh(self, thickness: float) -> Mesh:
+        """The part with walls of a thickness as a closed mesh; of triangles too."""
+        from v3dcad.geometry.convex import hollows
+        from v3dcad.geometry.mesh_union import subtracted
+
+        low, high = self.part.bounds
+        hollow = hollows(self.facets(), thickness, low - 1.0, high + 1.0)
+        return self._at_source(subtracted(self.part.mesh(), [cell.mesh() for cell in hollow]))
+
+    def bead_mesh(self, width: float) -> Mesh:
+        """What is printed, the beads of all layers united, as a closed mesh."""
+        from v3dcad.geometry.bars import bead_mesh
+
+        return self._at_source(bead_mesh(self.layers, width, self.settings.layer_height))
+
+    def write_step(
+        self, path: str | Path, form: str = "wires", *, schema: str = "AP214", **sizes: Any
+    ) -> None:
+        """Write a form as STEP, mm, with names and colours; the same structure, the same bytes.
+
+        `form` is one of `FORMS`, `sizes` what its method takes. Wires are named by layer and
+        height, their straight runs chained (and without colours, which bare curves have none of).
+        """
+        from v3dcad.kernel.step import write_step
+
+        curves, plane = form == "wires", form == "faces"
+        with written_beside(Path(path)) as beside:
+            shapes = self._named(form, sizes)
+            write_step(
+                shapes, beside, self.part.name, schema=schema, curves=curves, surfaces_only=plane
+            )
+
+    def write_brep(self, path: str | Path, form: str = "wires", **sizes: Any) -> None:
+        """Write a form as BREP, which keeps all that is shared; as `write_step` does else."""
+        from v3dcad.kernel.shapes import compound
+        from v3dcad.kernel.step import write_brep
+
+        with written_beside(Path(path)) as beside:
+            if form == "wires":
+                write_brep(self.wires(), beside)
+            else:
+                write_brep(compound(shape for _, shape, _ in self._named(form, sizes)), beside)
+
+    def write_stl(
+        self, path: str | Path, form: str = "walls", *, ascii: bool = False, **sizes: Any
+    ) -> None:
+        """Write a mesh of `MESHES` as STL.
+
+        "walls" are upright strips without thickness, as in the thesis; "solid" (thickness),
+        "struts" (diameter) and "beads" (width) are united and closed.
+        """
+        from v3dcad.formats.stl import ascii_stl, binary_stl
+
+        mesh = self._mesh(form, sizes)
+        with written_beside(Path(path)) as beside:
+            if ascii:
+                beside.write_text(ascii_stl(mesh, self.part.name), encoding="utf-8", newline="\n")
+            else:
+                beside.write_bytes(binary_stl(mesh))
+
+    def write_3mf(
+        self, path: str | Path, form: str = "beams", *, fallback: bool = True, **sizes: Any
+    ) -> None:
+        """Write 3MF: "beams" (diameter), a beam lattice, or a closed mesh of `MESHES`.
+
+        With `fallback` the beams carry a mesh for viewers that know none (slow for many: they are
+        united first).
+        """
+        from v3dcad.formats.threemf import write_beams, write_mesh
+        from v3dcad.settings import check_size
+
+        with written_beside(Path(path)) as beside:
+            if form != "beams":
+                if form == "walls":
+                    raise SettingError("form", "3MF has no walls without thickness; use write_stl")
+                write_mesh(beside, self._mesh(form, sizes), self.part.name)
+                return
+            diameter = _only(sizes, form, "diameter")
+            check_size("diameter", diameter)
+            points, struts = self._axes()
+            mesh = self.strut_mesh(diameter) if fallback else None
+            write_beams(beside, points, struts, diameter / 2, self.part.name, mesh)
+
+    def write_svg(self, path: str | Path, layer: int = 0) -> None:
+        """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates."""
+        from v3dcad.formats.svg import svg_text
+
+        with written_beside(Path(path)) as beside:
+            beside.write_text(svg_text(self.layers[layer]), encoding="utf-8", newline="\n")
+
+    def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
+        """A form as named shapes."""
+        from v3dcad.kernel.step import TEAL, Named
+        from v3dcad.kernel.wires import layer_trails
+
+        if form == "wires":
+            _only(sizes, form)
+            return (
+                Named(_title(layer), layer_trails(layer, self.placement)) for layer in self.layers
+            )
+        if form == "beads":
+            return (Named(title, bead) for title, bead in self._beads(**sizes))
+        if form == "cells":
+            _only(sizes, form)
+            return (Named(f"cell {k}", cell, TEAL) for k, cell in enumerate(self.cells()))
+        if form not in FORMS:
+            raise SettingError("form", f"form {form!r}: give {', '.join(FORMS)}")
+        return [Named(form, getattr(self, form)(**sizes), TEAL)]
+
+    def _mesh(self, form: str, sizes: dict[str, Any]) -> Mesh:
+        from v3dcad.geometry.bars import wall_strips
+
+        if form == "walls":
+            _only(sizes, form)
+            return self._at_source(wall_strips(self.layers, self.settings.layer_height))
+        if form == "solid":
+            return self.solid_mesh(_only(sizes, form, "thickness"))
+        if form == "struts":
+            return self.strut_mesh(_only(sizes, form, "diameter"))
+        if form == "beads":
+            return self.bead_mesh(_only(sizes, form, "width"))
+        raise SettingError("form", f"form {form!r}: give {', '.join(MESHES)}")
+
+    def _beads(self, width: float, profile: str = "rounded") -> Iterable[tuple[str, Any]]:
+        from v3dcad.kernel.beads import layer_beads
+
+        height = self.settings.layer_height
+        return (
+            (_title(layer), layer_beads(layer, self.placement, width, height, profile))
+            for layer in self.layers
+        )
+
+    def _axes(self) -> tuple[Floats, Any]:
+        """Points (v, 3), where the source lies, and struts (s, 2) between them."""
+        facets = self.facets()
+        return self.placement.to_source(facets.points), facets.struts()
+
+    def _solid(self) -> Any:
+        """The part's solids where the source lies."""
+        shape = getattr(self.part, "shape", None)
+        if shape is None:
+            raise KernelError(
+                f"{self.part.name} is made of triangles and has no solid to cut: give STEP or "
+                "BREP, or write meshes (write_stl, write_3mf)"
+            )
+        from v3dcad.kernel.shapes import placed_back
+
+        return placed_back(shape, self.placement)
+
+    def _at_source(self, mesh: Mesh) -> Mesh:
+        return Mesh(self.placement.to_source(np.asarray(mesh.vertices)), mesh.triangles)
+
+
+def _title(layer: Layer) -> str:
+    return f"layer {layer.index} z {layer.z:g}"
+
+
+def _only(sizes: dict[str, Any], form: str, wanted: str | None = None) -> Any:
+    """The one size that a form takes; `SettingError` where it is missing or another is given."""
+    for name in sizes:
+        if name != wanted:
+            takes = f"takes {wanted}" if wanted else "takes no size"
+            raise SettingError(name, f"{form} has no {name}: it {takes}")
+    if wanted is None:
+        return None
+    if wanted not in sizes:
+        raise SettingError(wanted, f"{form} needs a {wanted}, mm: give {wanted}=…")
+    return sizes[wanted]

@@ -1,0 +1,119 @@
+"""The exact curve of a run, and where walls end on it."""
+
+from __future__ import annotations
+
+import numpy as np
+from OCP.Geom import Geom_BSplineCurve, Geom_Circle, Geom_Curve, Geom_Ellipse
+from OCP.GeomAPI import GeomAPI_Interpolate, GeomAPI_ProjectPointOnCurve
+from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Elips, gp_Pnt, gp_Vec
+from OCP.TColgp import TColgp_Array1OfPnt, TColgp_HArray1OfPnt
+from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+
+from v3dcad.errors import KernelError
+from v3dcad.model import Floats, Run, Section
+
+TOLERANCE = 1e-7
+"""OCCT's confusion, mm: points closer than this are one."""
+
+REACH = 0.1
+"""mm; a wall's end is looked for on the exact curve this close to the chord it was cut at."""
+
+
+def run_curve(run: Run, section: Section) -> Geom_Curve | None:
+    """The exact curve of a run in bed coordinates, running as its ring does; None for a line.
+
+    A circle or ellipse as the section says; of a run of points the cubic spline through them
+    (they lie on the true surface; the chords between them do not).
+    """
+    if run.curve == "line":
+        return None
+    ring = section.rings[run.ring]
+    along = ring[np.arange(run.start, run.stop + 1) % len(ring)]
+    if run.curve == "circle":
+        x, y, radius = run.parameters
+        frame = _frame(along, x, y, section.z, (1.0, 0.0))
+        return Geom_Circle(gp_Circ(frame, radius))
+    if run.curve == "ellipse":
+        x, y, major_x, major_y, ratio = run.parameters
+        frame = _frame(along, x, y, section.z, (major_x, major_y))
+        major = float(np.hypot(major_x, major_y))
+        return Geom_Ellipse(gp_Elips(frame, major, major * ratio))
+    return _spline(along, section.z) if len(along) > 2 else None
+
+
+def _frame(along: Floats, x: float, y: float, z: float, first: tuple[float, float]) -> gp_Ax2:
+    """A conic's frame whose angle grows the way that its points (k, 2) run."""
+    a, b = along[:2] - (x, y)
+    way = 1.0 if a[0] * b[1] > a[1] * b[0] else -1.0
+    return gp_Ax2(gp_Pnt(x, y, z), gp_Dir(0, 0, way), gp_Dir(*first, 0))
+
+
+def _spline(along: Floats, z: float) -> Geom_Curve:
+    closed = bool((along[0] == along[-1]).all())
+    through = along[:-1] if closed else along
+    points = TColgp_HArray1OfPnt(1, len(through))
+    for place, (x, y) in enumerate(through.tolist(), start=1):
+        points.SetValue(place, gp_Pnt(x, y, z))
+    spline = GeomAPI_Interpolate(points, closed, TOLERANCE)
+    spline.Perform()
+    if not spline.IsDone():
+        raise KernelError(f"no spline can be laid through a contour at z = {z:g} mm")
+    return spline.Curve()
+
+
+def parameter_at(curve: Geom_Curve, point: Floats) -> float:
+    """Where on the curve the place nearest to a point (3,) lies."""
+    projection = GeomAPI_ProjectPointOnCurve(gp_Pnt(*point.tolist()), curve)
+    if projection.NbPoints() == 0:  # off one end of an open curve
+        first, last = curve.FirstParameter(), curve.LastParameter()
+        at = gp_Pnt(*point.tolist())
+        nearer = at.Distance(curve.Value(first)) < at.Distance(curve.Value(last))
+        return float(first if nearer else last)
+    return float(projection.LowerDistanceParameter())
+
+
+def hit(curve: Geom_Curve, end: Floats, way: Floats) -> Floats:
+    """Where a wall that ends near the curve meets it, (3,).
+
+    The wall's line runs through `end` (3,) along `way` (3,). Newton's method on where line and
+    curve are equal; where the wall meets the curve too flat for that, the place nearest to `end`.
+    """
+    place, tangent = gp_Pnt(), gp_Vec()
+    start = parameter = parameter_at(curve, end)
+    for _ in range(12):
+        curve.D1(parameter, place, tangent)
+        off = end[:2] - (place.X(), place.Y())
+        rows = np.array([[tangent.X(), -way[0]], [tangent.Y(), -way[1]]])
+        if abs(np.linalg.det(rows)) < 1e-3 * tangent.Magnitude() * np.hypot(*way[:2]):
+            break
+        step = float(np.linalg.solve(rows, off)[0])
+        parameter += step
+        if abs(step) * tangent.Magnitude() < 1e-12:
+            break
+    found = _point(curve, parameter)
+    return found if np.linalg.norm(found - end) < REACH else _point(curve, start)
+
+
+def span(curve: Geom_Curve, start: Floats, stop: Floats) -> tuple[float, float]:
+    """The parameters of two points (3,) on the curve, ascending; once around where they are one."""
+    first, last = parameter_at(curve, start), parameter_at(curve, stop)
+    if curve.IsPeriodic() and last <= first + 1e-12:
+        last += curve.Period()
+    return first, last
+
+
+def _point(curve: Geom_Curve, parameter: float) -> Floats:
+    point = curve.Value(parameter)
+    return np.array([point.X(), point.Y(), point.Z()])
+
+
+def polyline(points: Floats) -> Geom_BSplineCurve:
+    """Points (k, 3), no two in a row the same, as one B-spline of degree 1, a knot at each."""
+    count = len(points)
+    poles = TColgp_Array1OfPnt(1, count)
+    knots, times = TColStd_Array1OfReal(1, count), TColStd_Array1OfInteger(1, count)
+    for place, (x, y, z) in enumerate(points.tolist(), start=1):
+        poles.SetValue(place, gp_Pnt(x, y, z))
+        knots.SetValue(place, place - 1.0)
+        times.SetValue(place, 2 if place in (1, count) else 1)
+    return Geom_BSplineCurve(poles, knots, times, 1)

@@ -1,0 +1,89 @@
+"""Struts as B-rep: cylinders along straight axes, spheres where they meet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakeSphere
+from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Shape
+
+from v3dcad.errors import KernelError
+from v3dcad.geometry.bars import bar_mesh
+from v3dcad.geometry.mesh_union import mesh_volume
+from v3dcad.kernel.booleans import common, fused
+from v3dcad.kernel.shapes import SOLID, subshapes, volume
+from v3dcad.model import Floats, Ints
+from v3dcad.settings import check_size
+
+FUSE_LIMIT = 200
+"""Struts that OCCT unites soundly: at 969 its result was invalid."""
+
+FUSE_CHECK = 0.01
+"""Largest relative difference between the volumes of the united solid and the united mesh."""
+
+
+def bars(points: Floats, struts: Ints, diameter: float) -> list[TopoDS_Shape]:
+    """A cylinder along each strut and a sphere at each joint; they overlap.
+
+    `points` (v, 3), mm, `struts` (s, 2) point ids. Raises `SettingError` for a diameter of 0,
+    `KernelError` where there are no struts.
+    """
+    check_size("diameter", diameter)
+    if not len(struts):
+        raise KernelError("there are no struts: no three cells meet; give more sites")
+    cylinders = []
+    for start, stop in points[struts]:
+        along = stop - start
+        axis = gp_Ax2(gp_Pnt(*start.tolist()), gp_Dir(*along.tolist()))
+        length = float(np.linalg.norm(along))
+        cylinders.append(BRepPrimAPI_MakeCylinder(axis, diameter / 2, length).Shape())
+    ball = BRepPrimAPI_MakeSphere(diameter / 2).Shape()
+    joints = [ball.Located(_to(point)) for point in points[np.unique(struts)].tolist()]
+    return [*cylinders, *joints]
+
+
+def cut_bars(made: list[TopoDS_Shape], solid: TopoDS_Shape) -> list[TopoDS_Shape]:
+    """What of each bar lies inside a solid. Raises `KernelError` where nothing does."""
+    inside = [piece for bar in made for piece in subshapes(common([bar], [solid]), SOLID)]
+    if not inside:
+        raise KernelError("OCCT found no strut inside the part; give more sites")
+    return inside
+
+
+def fused_bars(points: Floats, struts: Ints, diameter: float) -> TopoDS_Shape:
+    """Struts and joints as one solid, united in pairs, pairs of pairs, and so on.
+
+    Raises `KernelError` above `FUSE_LIMIT` struts, and where the volume is not that of the same
+    bars united as meshes.
+    """
+    instead = (
+        "write_stl(..., form='struts') unites them as a mesh, write_3mf(..., form='beams') "
+        "keeps them as beams, and without fuse they are a compound"
+    )
+    if len(struts) > FUSE_LIMIT:
+        raise KernelError(
+            f"fuse: {len(struts)} struts are more than the {FUSE_LIMIT} that OCCT unites soundly; "
+            + instead
+        )
+    shapes = bars(points, struts, diameter)
+    while len(shapes) > 1:
+        pairs = zip(shapes[::2], shapes[1::2], strict=False)
+        odd = shapes[-1:] if len(shapes) % 2 else []
+        shapes = [fused([one], [other]) for one, other in pairs] + odd
+    expected = mesh_volume(bar_mesh(points, struts, diameter, sides=64))
+    found = volume(shapes[0])
+    if not math.isclose(found, expected, rel_tol=FUSE_CHECK):
+        raise KernelError(
+            f"fuse: OCCT's solid has {found:.6g} mm³ where the struts have {expected:.6g}; "
+            + instead
+        )
+    return shapes[0]
+
+
+def _to(point: list[float]) -> TopLoc_Location:
+    shift = gp_Trsf()
+    shift.SetTranslation(gp_Vec(*point))
+    return TopLoc_Location(shift)
