@@ -168,6 +168,9 @@ class Part(Protocol):
         same.
         """
 
+    def exact(self, layer: Layer) -> Layer:
+        """A layer of the part whose walls end on the true surface, not on contours' chords."""
+
     def mesh(self) -> Mesh:
         """Its surface as triangles."""
 

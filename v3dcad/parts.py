@@ -12,7 +12,7 @@ import numpy as np
 
 from v3dcad.errors import FormatError, GeometryError, SettingError
 from v3dcad.formats.stl import normals, read_stl
-from v3dcad.model import Floats, Mesh, Part, Placement, Section
+from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section
 
 STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
 STL, THREEMF, OBJ = (".stl",), (".3mf",), (".obj",)
@@ -68,6 +68,10 @@ class MeshPart:
         from v3dcad.geometry.mesh_section import section_mesh
 
         return section_mesh(self.surface, heights, executor)
+
+    def exact(self, layer: Layer) -> Layer:
+        """The layer as it is: contours of triangles are exact."""
+        return layer
 
     def mesh(self) -> Mesh:
         """The triangles themselves."""

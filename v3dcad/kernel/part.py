@@ -19,12 +19,13 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from v3dcad.errors import KernelError, SettingError
+from v3dcad.geometry.surface_ends import exact_ends
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_section import CHORD_TOLERANCE
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import FACE, SHELL, SOLID, bounds, compound, location, subshapes, volume
-from v3dcad.model import Brep, Floats, Mesh, Placement, Section
+from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
 TESSELLATION = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -91,6 +92,10 @@ class SolidPart:
     ) -> Sequence[Section]:
         """Sections of the exact surfaces at ascending heights (mm)."""
         return list(section_solids(prepared(self.shape), heights, chord_tolerance, executor))
+
+    def exact(self, layer: Layer) -> Layer:
+        """The layer with the ends of its walls moved onto the true surface."""
+        return exact_ends(layer, prepared(self.shape))
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""
