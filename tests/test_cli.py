@@ -68,6 +68,12 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--bed", "220"], "such as 220x220"),
         (["--bed", "30x220"], "10.00 mm too large in x"),
         (["--print-speed", 0], "--print-speed"),
+        (["--chord-tolerance", 0], "--chord-tolerance 0.0: give a number above 0 mm"),
+        (["--base-clearance", -1], "--base-clearance -1"),
+        (["--rotate", "1,2"], "--rotate: give three angles"),
+        (["--rotate", "1,2,x"], "such as 90,0,0"),
+        (["--up", "w"], "--up w: give x, y, z or the number of a face"),
+        (["--up", 9], "the part's faces are 0 to 2"),
     ],
 )
 def test_settings_out_of_range(
@@ -82,12 +88,59 @@ def test_settings_out_of_range(
     assert not list(tmp_path.rglob("*.*")), "something was left behind"
 
 
+def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
+    done = run(
+        *("slice", samples / "bracket.step", "--layer-height", 2, "--up", "x"),
+        *("--rotate", "0,0,30", "--base-clearance", 0.1),
+        *("--step", tmp_path / "a.step", "--svg", tmp_path / "a.svg"),
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == "", "no progress in a pipe"
+    for line in ("sections      30", "contours      44, at most 3", "a.step (", "a.svg ("):
+        assert line in done.stdout
+    assert (tmp_path / "a.svg").read_text().count("<path") == 30
+    assert (tmp_path / "a.step").read_text().count("PRODUCT('section ") == 30
+
+
+def test_mistakes_in_slicing(
+    samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cone, svg = samples / "cone.step", tmp_path / "a.svg"
+    assert "--step FILE or --svg FILE" in mistake(capsys, "slice", cone)
+    assert "overwrite the part" in mistake(capsys, "slice", cone, "--step", cone)
+    said = mistake(capsys, "slice", cone, "--svg", svg, "--chord-tolerance", 0)
+    assert "--chord-tolerance 0.0" in said
+    ont = tmp_path / "a.ont"
+    ont.write_text("hello")
+    assert "fill makes its structure" in mistake(capsys, "slice", ont, "--svg", svg)
+    for command in ("slice", "fill"):
+        out = ("--svg", svg) if command == "slice" else ("--gcode", svg)
+        said = mistake(capsys, command, ont, *out, "--repair")
+        assert "--repair: an .ont file holds its part" in said
+    assert not svg.exists()
+
+
+def test_a_mesh_with_a_hole_is_mended_where_asked(
+    samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    facets, found, _ = (samples / "pyramid.stl").read_text().rpartition("facet normal")
+    assert found
+    (tmp_path / "a.stl").write_text(facets + "endsolid\n")
+    fill = ("fill", tmp_path / "a.stl", "--layer-height", 10, "--report", tmp_path / "a.json")
+    assert "3 boundary edges" in mistake(capsys, *fill)
+    done = run(*fill, "--repair", "--as-brep")
+    assert "note          closed 1 holes with" in done.stdout
+    assert "note          made a B-rep of 6 plane faces of 12 triangles" in done.stdout
+
+
 NOT_PARTS = {
     "empty.step": b"",
     "words.step": b"hello",
     "cut.step": b"ISO-10303-21;\nHEADER;\n",
     "words.stl": b"hello",
     "words.brep": b"hello",
+    "words.3mf": b"hello",
+    "words.obj": b"hello",
     "words.ont": b"hello",
     "part.docx": b"hello",
 }

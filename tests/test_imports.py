@@ -23,6 +23,7 @@ MAY_IMPORT = {
     "toolpath": INSIDE | {"toolpath"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
@@ -44,10 +45,11 @@ MAY_IMPORT = {
         "pipeline",
         "recipes",
         "report",
+        "slicing",
         "structure",
     },
     "cli": {"commands", "errors"},
-    "__init__": INSIDE | {"pipeline", "recipes", "structure"},
+    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
 }
 
 HOSTS = {"build123d", "cadquery"}
@@ -101,7 +103,7 @@ def test_help_loads_nothing_heavy_not_even_numpy() -> None:
     code = """
 import sys
 from v3dcad.cli import app
-for words in (["--help"], ["fill", "--help"]):
+for words in (["--help"], ["fill", "--help"], ["slice", "--help"]):
     try:
         app(words)
     except SystemExit as stop:

@@ -19,9 +19,11 @@ if TYPE_CHECKING:
         V3dcadError,
     )
     from v3dcad.model import Recipe, Section
+    from v3dcad.parts import part_from
     from v3dcad.pipeline import Structure, build, fill
     from v3dcad.recipes import read_ont
     from v3dcad.settings import FillSettings, PrintSettings
+    from v3dcad.slicing import Sections, place_on_bed, section
     from v3dcad.structure.density import density
     from v3dcad.structure.fill import fill_sections
 
@@ -34,6 +36,7 @@ _HOME = {
     "PrintSettings": "settings",
     "Recipe": "model",
     "Section": "model",
+    "Sections": "slicing",
     "SettingError": "errors",
     "Structure": "pipeline",
     "V3dcadError": "errors",
@@ -41,6 +44,9 @@ _HOME = {
     "density": "structure.density",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
+    "part_from": "parts",
+    "place_on_bed": "slicing",
+    "section": "slicing",
     "read_ont": "recipes",
 }
 
@@ -53,6 +59,7 @@ __all__ = [
     "PrintSettings",
     "Recipe",
     "Section",
+    "Sections",
     "SettingError",
     "Structure",
     "V3dcadError",
@@ -60,7 +67,10 @@ __all__ = [
     "density",
     "fill",
     "fill_sections",
+    "part_from",
+    "place_on_bed",
     "read_ont",
+    "section",
 ]
 
 

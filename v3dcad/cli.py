@@ -7,6 +7,7 @@ import sys
 import typer
 
 from v3dcad.commands import fill, gcode, ont, setup
+from v3dcad.commands import slice as slicing
 from v3dcad.errors import V3dcadError
 
 app = typer.Typer(
@@ -23,6 +24,7 @@ def _app() -> None:
 
 app.command()(fill.fill)
 app.command()(fill.info)
+app.command("slice")(slicing.slice_part)
 app.command()(setup.warm_up)
 app.add_typer(ont.ont_app)
 app.add_typer(gcode.gcode_app)

@@ -53,7 +53,9 @@ class Forms:
         from v3dcad.kernel.shapes import compound
         from v3dcad.kernel.wires import layer_wires
 
-        return compound(layer_wires(layer, self.placement) for layer in self.layers)
+        return compound(
+            layer_wires(self.part.exact(layer), self.placement) for layer in self.layers
+        )
 
     def faces(self) -> Any:
         """The walls inside the part as plane faces: shells of faces that share their edges."""
@@ -200,7 +202,8 @@ class Forms:
         if form == "wires":
             _only(sizes, form)
             return (
-                Named(_title(layer), layer_trails(layer, self.placement)) for layer in self.layers
+                Named(_title(layer), layer_trails(self.part.exact(layer), self.placement))
+                for layer in self.layers
             )
         if form == "beads":
             return (Named(title, bead) for title, bead in self._beads(**sizes))

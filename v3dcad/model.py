@@ -7,6 +7,7 @@ by identity; their arrays cannot be written to. `docs` of each field give shape 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, NamedTuple, Protocol
 
@@ -73,9 +74,11 @@ class Placement(Value):
         """No motion at all."""
         return cls(np.eye(3), np.zeros(3))
 
-    def then(self, shift: Placement) -> Placement:
-        """Both motions, this one first; the other must be a mere shift."""
-        return Placement(self.rotation, self.translation + shift.translation)
+    def then(self, other: Placement) -> Placement:
+        """Both motions, this one first."""
+        return Placement(
+            other.rotation @ self.rotation, other.rotation @ self.translation + other.translation
+        )
 
     def to_bed(self, points: Floats) -> Floats:
         """The points (n, 3), given where the source lies, in bed coordinates."""
@@ -90,6 +93,10 @@ class Placement(Value):
     def is_shift(self) -> bool:
         """Whether nothing is turned."""
         return bool(np.array_equal(self.rotation, np.eye(3)))
+
+    def is_still(self) -> bool:
+        """Whether nothing is moved at all."""
+        return self.is_shift() and not self.translation.any()
 
 
 class Run(NamedTuple):
@@ -135,18 +142,34 @@ class Part(Protocol):
     def findings(self) -> tuple[str, ...]:
         """What the user should know of how it was read: what was left out or mended."""
 
+    @property
+    def placement(self) -> Placement:
+        """How it came to where it is from where its source lies."""
+
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
+
+    def normal(self, face: int) -> Floats:
+        """(3,) outward unit normal of a plane face, or of a triangle, by its number from 0.
+
+        `SettingError` where there is no such face, or it is not plane.
+        """
 
     def placed(self, placement: Placement) -> Part:
         """The same part, moved."""
 
-    def sections(self, heights: Floats) -> Sequence[Section]:
-        """Its sections at ascending heights (mm).
+    def sections(
+        self, heights: Floats, chord_tolerance: float = ..., executor: Executor | None = None
+    ) -> Sequence[Section]:
+        """Its sections at ascending heights (mm), rings within `chord_tolerance` (mm).
 
-        Each is the limit from below, but for the section at the part's base (z = 0), which is
-        the limit from above.
+        Each is the limit from below, but for the section at the part's base, which is the limit
+        from above. With an executor several planes are computed at a time; the results are the
+        same.
         """
+
+    def exact(self, layer: Layer) -> Layer:
+        """A layer of the part whose walls end on the true surface, not on contours' chords."""
 
     def mesh(self) -> Mesh:
         """Its surface as triangles."""

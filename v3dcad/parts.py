@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from v3dcad.errors import FormatError, GeometryError
-from v3dcad.formats.stl import read_stl, welded
-from v3dcad.model import Floats, Mesh, Part, Placement, Section
+from v3dcad.errors import FormatError, GeometryError, SettingError
+from v3dcad.formats.stl import normals, read_stl
+from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section
 
-STEP, BREP, STL, ONT = (".step", ".stp"), (".brep", ".brp"), (".stl",), (".ont",)
+STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
+STL, THREEMF, OBJ = (".stl",), (".3mf",), (".obj",)
+
+HERE = Placement.none()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -24,6 +28,8 @@ class MeshPart:
     surface: Mesh
     findings: tuple[str, ...] = ()
     """what the user should know of how the file was read"""
+    placement: Placement = HERE
+    """how it came to where it is from where its source lies"""
 
     @property
     def bounds(self) -> Floats:
@@ -37,38 +43,68 @@ class MeshPart:
         volume = float(np.linalg.det(corners).sum()) / 6
         return {"triangles": f"{len(self.surface.triangles)}", "volume": f"{volume:.6g} mm³"}
 
+    def normal(self, face: int) -> Floats:
+        """(3,) outward unit normal of a triangle, by its number from 0."""
+        if not 0 <= face < len(self.surface.triangles):
+            count = len(self.surface.triangles)
+            raise SettingError("up", f"--up {face}: the mesh's triangles are 0 to {count - 1}")
+        unit: Floats = normals(self.surface.vertices[self.surface.triangles[[face]]])[0]
+        return unit
+
     def placed(self, placement: Placement) -> MeshPart:
         """The same triangles, moved."""
+        if placement.is_still():
+            return self
         moved = Mesh(placement.to_bed(self.surface.vertices), self.surface.triangles)
-        return MeshPart(self.name, moved, self.findings)
+        return replace(self, surface=moved, placement=self.placement.then(placement))
 
-    def sections(self, heights: Floats) -> Sequence[Section]:
-        """Sections of the triangles at each height (mm)."""
+    def sections(
+        self,
+        heights: Floats,
+        chord_tolerance: float = 0.0,
+        executor: Executor | None = None,
+    ) -> Sequence[Section]:
+        """Sections of the triangles at ascending heights (mm); their chords are exact."""
         from v3dcad.geometry.mesh_section import section_mesh
 
-        return section_mesh(self.surface, heights)
+        return section_mesh(self.surface, heights, executor)
+
+    def exact(self, layer: Layer) -> Layer:
+        """The layer as it is: contours of triangles are exact."""
+        return layer
 
     def mesh(self) -> Mesh:
         """The triangles themselves."""
         return self.surface
 
 
-def part_from(source: Any) -> Part:
-    """The part in a file (STEP, STL, BREP), an OCCT, build123d or CadQuery shape, or a mesh.
+def part_from(source: Any, *, repair: bool = False, as_brep: bool = False) -> Part:
+    """The part in a file (STEP, STL, 3MF, OBJ, BREP), a shape, or a mesh; a part as it is.
 
-    A mesh is a pair of vertices (v, 3), mm, and triangles (t, 3). Raises `FormatError` for a
-    file that cannot be read, `KernelError` for a shape without a solid, `GeometryError` for
-    anything else.
+    Shapes are those of OCP, build123d and CadQuery; a mesh is a pair of vertices (v, 3), mm, and
+    triangles (t, 3). Meshes have to be closed: `repair` closes their holes, and findings say what
+    it patched. `as_brep` makes a B-rep with plane faces of a mesh. Raises `FormatError` for a
+    file that cannot be read, `KernelError` for a shape without a solid, `GeometryError` for a
+    mesh that is not closed or too large for a B-rep, and for anything else.
     """
+    found = _part_of(source, repair)
+    if as_brep and isinstance(found, MeshPart):
+        from v3dcad.kernel.mesh_solid import solid_of_mesh
+
+        return solid_of_mesh(found.surface, found.name, found.findings)
+    return found
+
+
+def _part_of(source: Any, repair: bool) -> Part:
     if isinstance(source, (str, Path)):
-        return _part_in(Path(source))
-    if isinstance(source, MeshPart):
-        return source
+        return _part_in(Path(source), repair)
+    if hasattr(source, "sections"):
+        return cast(Part, source)
     if isinstance(source, Mesh):
-        return MeshPart("mesh", source)
+        return _mesh_part("mesh", source, repair)
     if isinstance(source, tuple) and len(source) == 2:
         vertices, triangles = np.asarray(source[0], np.float64), np.asarray(source[1], np.int64)
-        return MeshPart("mesh", welded(vertices[triangles], "the mesh"))
+        return _mesh_part("mesh", Mesh(vertices, triangles), repair)
     if hasattr(source, "vals"):
         from v3dcad.kernel.shapes import compound
 
@@ -84,12 +120,34 @@ def part_from(source: Any) -> Part:
     return solid_part(shape, name, name)
 
 
-def _part_in(path: Path) -> Part:
+def _mesh_part(
+    name: str, mesh: Mesh, repair: bool, read: Sequence[str] = (), where: str = "the mesh"
+) -> MeshPart:
+    """A mesh as a part, once it is known to be closed; `GeometryError` where it is not."""
+    from v3dcad.geometry.mesh_check import checked_mesh
+
+    try:
+        closed, mended = checked_mesh(mesh, repair=repair)
+    except GeometryError as error:
+        raise GeometryError(f"{where}: {error}") from error
+    return MeshPart(name, closed, (*read, *mended))
+
+
+def _part_in(path: Path, repair: bool) -> Part:
     check_readable(path)
     ending = path.suffix.lower()
     if ending in STL:
-        mesh = read_stl(path)
-        return MeshPart(path.stem, mesh)
+        return _mesh_part(path.stem, read_stl(path), repair, (), str(path))
+    if ending in THREEMF:
+        from v3dcad.formats.threemf_read import read_threemf
+
+        mesh, left_out = read_threemf(path)
+        return _mesh_part(path.stem, mesh, repair, left_out, str(path))
+    if ending in OBJ:
+        from v3dcad.formats.obj import read_obj
+
+        mesh, left_out = read_obj(path)
+        return _mesh_part(path.stem, mesh, repair, left_out, str(path))
     if ending in STEP:
         from v3dcad.kernel.load import load_step
 
@@ -98,10 +156,8 @@ def _part_in(path: Path) -> Part:
         from v3dcad.kernel.load import load_brep
 
         return load_brep(path)
-    raise FormatError(
-        f"not a kind of file that can be filled; give {', '.join((*STEP, *STL, *BREP, *ONT))}",
-        path=str(path),
-    )
+    known = ", ".join((*STEP, *STL, *THREEMF, *OBJ, *BREP, *ONT))
+    raise FormatError(f"not a kind of file that can be filled; give {known}", path=str(path))
 
 
 def check_readable(path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Collection, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,7 +74,7 @@ class Structure(Forms):
 
     def at(self, z: float) -> Diagram:
         """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
-        (section,) = self.part.sections(np.array([z]))
+        (section,) = self.part.sections(np.array([z]), self.settings.chord_tolerance)
         return self.filling.at(z, section)
 
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
@@ -208,15 +209,20 @@ class Structure(Forms):
         return told
 
 
-def build(part: Part, settings: FillSettings, sites: Floats | density | None = None) -> Structure:
+def build(
+    part: Part,
+    settings: FillSettings,
+    sites: Floats | density | None = None,
+    executor: Executor | None = None,
+) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter. Raises
-    `SettingError` where settings do not fit the part, `GeometryError` or `KernelError` where it
-    cannot be cut.
+    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter. An
+    executor computes several sections at a time. Raises `SettingError` where settings do not fit
+    the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
-    placement = on_bed(part.bounds)
-    part = part.placed(placement)
+    part = part.placed(on_bed(part.bounds, settings.base_clearance))
+    placement = part.placement
     rectangle = part.bounds[:, :2]
     if sites is None:
         sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
@@ -230,11 +236,13 @@ def build(part: Part, settings: FillSettings, sites: Floats | density | None = N
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
-    if settings.method == "thesis" and settings.interpolate:
-        ends = fill_sections(part.sections(np.unique(heights[[0, -1]])), sites, settings, rectangle)
-        assert isinstance(ends, ThesisFilling)
-        return Structure(part, placement, ends, lofted(ends, heights), sites)
-    filling = fill_sections(part.sections(heights), sites, settings, rectangle)
+    lofts = settings.method == "thesis" and settings.interpolate
+    planes = np.unique(heights[[0, -1]]) if lofts else heights
+    sections = part.sections(planes, settings.chord_tolerance, executor)
+    filling = fill_sections(sections, sites, settings, rectangle)
+    if lofts:
+        assert isinstance(filling, ThesisFilling)
+        return Structure(part, placement, filling, lofted(filling, heights), sites)
     return Structure(part, placement, filling, filling.layers, sites)
 
 
@@ -243,40 +251,45 @@ def fill(
     *,
     sites: int | Sequence[Sequence[float]] | Floats | density | None = None,
     verify: bool = True,
+    executor: Executor | None = None,
     **settings: Any,
 ) -> Structure:
     """Fill a part with a Voronoi structure.
 
-    `source` is a path (STEP, STL, BREP, `.ont`), a `Recipe`, a shape of build123d, CadQuery or
-    OCP, or a pair (vertices, triangles). `sites` is how many to scatter, their places (n, 2)
-    in mm, bed coordinates, or their `density`. Further settings are the fields of
-    `FillSettings`. What a recipe says is taken from it, unless given here; where nothing is,
-    the structure must have the recipe's check sum (`verify=False`: need not). Raises
-    `V3dcadError`s that say what to do.
+    `source` is a path (STEP, STL, 3MF, OBJ, BREP, `.ont`), a `Recipe`, a part of `part_from` or
+    `place_on_bed`, a shape of build123d, CadQuery or OCP, or a pair (vertices, triangles). `sites`
+    is how many to scatter, their places (n, 2) in mm, bed coordinates, or their `density`. An
+    executor (of threads, of processes, a cluster's) computes several sections at a time. Further
+    settings are the fields of `FillSettings`. What a recipe says is taken from it, unless given
+    here; where nothing is, the structure must have the recipe's check sum (`verify=False`: need
+    not). Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
         source = read_ont(source)
     if isinstance(source, Recipe):
         if sites is not None or settings:
             source = changed(source, sites, settings)
-        return build_recipe(source, verify=verify)
+        return build_recipe(source, verify=verify, executor=executor)
     if sites is None or isinstance(sites, int):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
-        return build(part_from(source), chosen)
+        return build(part_from(source), chosen, None, executor)
     if isinstance(sites, density):
-        return build(part_from(source), known_settings(settings), sites)
+        return build(part_from(source), known_settings(settings), sites, executor)
     explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
-    return build(part_from(source), known_settings({**settings, "sites": len(explicit)}), explicit)
+    chosen = known_settings({**settings, "sites": len(explicit)})
+    return build(part_from(source), chosen, explicit, executor)
 
 
-def build_recipe(recipe: Recipe, *, verify: bool = True) -> Structure:
+def build_recipe(
+    recipe: Recipe, *, verify: bool = True, executor: Executor | None = None
+) -> Structure:
     """The structure of a recipe; where a source was moved to the bed, it lies where that lay.
 
     Raises `FormatError` where the structure is not the one whose check sum the recipe has,
     unless `verify` is off; otherwise as `build`.
     """
     sites = None if recipe.sites is None else recipe.sites[:, :2]
-    structure = build(part_of(recipe), recipe.settings, sites)
+    structure = build(part_of(recipe), recipe.settings, sites, executor)
     structure = replace(structure, placement=recipe.placement.then(structure.placement))
     if verify and recipe.checksum is not None:
         differences = structure.checksum().differences(recipe.checksum)

@@ -93,10 +93,28 @@ class Checked:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class FillSettings(Checked):
-    """How a part is filled."""
+class SectionSettings(Checked):
+    """How a part is cut into sections."""
 
     layer_height: float = setting(0.2, "Distance between two layers.", unit="mm", above=0)
+    chord_tolerance: float = setting(
+        0.005,
+        "How far straight pieces of a contour may lie from a curved surface.",
+        unit="mm",
+        above=0,
+    )
+    base_clearance: float = setting(
+        0.0,
+        "How far the part's base lies below the first layer; 0.1 in the thesis.",
+        unit="mm",
+        least=0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FillSettings(SectionSettings):
+    """How a part is filled."""
+
     offset: float | str = setting(
         "auto",
         "Weight that a growing cell gains in each layer; auto takes the largest that "

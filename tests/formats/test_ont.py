@@ -180,7 +180,9 @@ def test_defaults_of_format_1() -> None:
     assert (usual.insertion, usual.method) == (True, "continuous")
     assert (usual.max_overhang, usual.interpolate) == (45, False)
     assert (usual.boundary_tolerance, usual.weight_step) == (0.01, 0)
+    assert (usual.chord_tolerance, usual.base_clearance) == (0.005, 0)
     pinned = {"sites", "random_seed", "insertion", "method", "max_overhang", "interpolate"}
+    pinned |= {"chord_tolerance", "base_clearance"}
     pinned |= {"boundary_tolerance", "weight_step", *ont_settings.IN_OWN_SECTIONS}
     assert set(FillSettings.__dataclass_fields__) == pinned, "pin the new setting's default here"
 

@@ -69,11 +69,20 @@ def tolerance_of(face) -> float:
     return max(stored)
 
 
-@pytest.mark.parametrize("name", shapes.NIST)
-def test_nist_parts(name: str, monkeypatch: pytest.MonkeyPatch):
+LARGEST = "ctc_02_asme1_rc"
+
+PLANES = [
+    pytest.param(name, planes, marks=pytest.mark.long if name == LARGEST and planes > 40 else ())
+    for name in shapes.NIST
+    for planes in ([40, 200] if name == LARGEST else [200])
+]
+
+
+@pytest.mark.parametrize(("name", "planes"), PLANES)
+def test_nist_parts(name: str, planes: int, monkeypatch: pytest.MonkeyPatch):
     shape = shapes.nist(name)
     mesh = surface_mesh(shape)
-    heights = middles(mesh, 200)
+    heights = middles(mesh, planes)
     found = list(section_solids(mesh, heights))
     for section in found:
         assert_whole(section)
@@ -98,7 +107,12 @@ def test_nist_parts(name: str, monkeypatch: pytest.MonkeyPatch):
                 assert away <= max(1e-9, tolerance_of(face))
 
 
-@pytest.mark.parametrize("name", shapes.NIST)
+VOLUMES = [
+    pytest.param(name, marks=pytest.mark.long if name == LARGEST else ()) for name in shapes.NIST
+]
+
+
+@pytest.mark.parametrize("name", VOLUMES)
 def test_nist_volumes(name: str):
     shape = shapes.nist(name)
     mesh = surface_mesh(shape)
@@ -294,11 +308,11 @@ def test_areas_agree_with_occts_own_section(name: str):
 
 def test_executors_change_nothing():
     mesh = surface_mesh(CURVED["tilted torus"]())
-    heights = middles(mesh, 40)
+    heights = middles(mesh, 200)
     alone = list(section_solids(mesh, heights))
     with ThreadPoolExecutor(2) as threads:
         assert_same(alone, list(section_solids(mesh, heights, executor=threads)))
-    with ProcessPoolExecutor(2, get_context("spawn")) as processes:
+    with ProcessPoolExecutor(1, get_context("spawn")) as processes:
         assert_same(alone, list(section_solids(mesh, heights, executor=processes)))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
@@ -31,7 +32,7 @@ OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write jus
 
 @with_options(FillSettings, PrintSettings, ExportSettings)
 def fill(
-    part: Annotated[Path, typer.Argument(metavar="PART", help="STEP, STL, BREP or .ont file.")],
+    part: PartFile,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for all five files.")
     ] = None,
@@ -57,6 +58,10 @@ def fill(
     verify: Annotated[
         bool, typer.Option(help="Compare what an .ont file makes with its check sum.")
     ] = True,
+    rotate: Rotate = None,
+    up: Up = None,
+    repair: Repair = False,
+    as_brep: AsBrep = False,
     **settings: Any,
 ) -> None:
     """Fill PART and write .ont, G-code, STEP, a picture and a report."""
@@ -76,7 +81,8 @@ def fill(
         chosen["sites"] = read_sites(sites_file)
     with Progress() as progress:
         progress.start("reading and cutting the part")
-        structure = fill_part(part, verify=verify, **chosen)
+        source = part_of(part, rotate, up, repair, as_brep) or part
+        structure = fill_part(source, verify=verify, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
@@ -174,7 +180,7 @@ def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
     ]
 
 
-def info(file: Annotated[Path, typer.Argument(help="STEP, STL, BREP or .ont file.")]) -> None:
+def info(file: PartFile) -> None:
     """Tell what a part or an .ont file holds."""
     from v3dcad.recipes import describe
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
-if TYPE_CHECKING:
-    from v3dcad.model import Layer
+T = TypeVar("T")
 
 
 class Progress:
@@ -36,13 +35,13 @@ class Progress:
         """Begin a step of the work whose length is not known yet."""
         self.bar.reset(self.task, total=None, description=what)
 
-    def watch(self, layers: Sequence[Layer]) -> Sequence[Layer]:
-        """The same layers; going through them moves the bar."""
+    def watch(self, layers: Sequence[T]) -> Sequence[T]:
+        """The same layers or sections; going through them moves the bar."""
         return _Watched(layers, self)
 
 
-class _Watched(Sequence["Layer"]):
-    def __init__(self, layers: Sequence[Layer], progress: Progress) -> None:
+class _Watched(Sequence[T]):
+    def __init__(self, layers: Sequence[T], progress: Progress) -> None:
         self.layers = layers
         self.progress = progress
 
@@ -52,7 +51,7 @@ class _Watched(Sequence["Layer"]):
     def __getitem__(self, index: Any) -> Any:
         return self.layers[index]
 
-    def __iter__(self) -> Iterator[Layer]:
+    def __iter__(self) -> Iterator[T]:
         bar, task = self.progress.bar, self.progress.task
         bar.update(task, total=len(self.layers), completed=0)
         for layer in self.layers:

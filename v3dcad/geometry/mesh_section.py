@@ -14,6 +14,7 @@ would be passed to and fro: both ways are left out.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,9 @@ SNAP = 1e-9
 BASE = 1e-6
 """mm: a plane this close to a part's lowest height is at its base, whose height the placing of
 the part knows no better."""
+
+SHARE = 64
+"""Planes given to an executor at a time."""
 
 BATCH = 4_000_000
 """Crossings held at a time: bounds the memory of a tall part with many planes."""
@@ -58,13 +62,18 @@ class Crossings(NamedTuple):
     """(r,) the plane of each ring, ascending"""
 
 
-def section_mesh(mesh: Mesh, heights: Floats) -> list[Section]:
+def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) -> list[Section]:
     """Sections of a closed mesh at ascending heights (k,), mm.
 
     Each is the limit from below, at the mesh's lowest height from above. Duplicate points,
-    crests passed to and fro and rings without area are dropped. `GeometryError` where the mesh
-    is open or heights do not ascend.
+    crests passed to and fro and rings without area are dropped. With an executor several planes
+    are computed at a time; the results are the same. `GeometryError` where the mesh is open or
+    heights do not ascend.
     """
+    if executor is not None:
+        check_heights(heights)
+        waiting = [executor.submit(section_mesh, mesh, share) for share in shares(heights)]
+        return [section for share in waiting for section in share.result()]
     sections = []
     edges = mesh_edges(mesh.triangles)
     first = 0
@@ -107,7 +116,10 @@ def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]
     Returns the indices (e,) of the sides passed forward, those of their partners, and how many
     sides have none.
     """
-    order = np.argsort(key * 2 + backward, kind="stable")
+    way = key * 2 + backward
+    order = np.argsort(way)
+    if np.any(np.diff(way[order]) == 0):  # only a stable order is the same everywhere
+        order = np.argsort(way, kind="stable")
     sorted_key, against = key[order], backward[order]
     there, back = order[~against], order[against]
     if len(there) == len(back) and np.array_equal(sorted_key[~against], sorted_key[against]):
@@ -126,9 +138,9 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     check_heights(heights)
     z = mesh.vertices[:, 2]
     levels = plane_levels(heights, float(z.min(initial=np.inf)))
-    of_corners = z[mesh.triangles]
-    begin = np.searchsorted(levels, of_corners.min(axis=1, initial=np.inf), side="right")
-    end = np.searchsorted(levels, of_corners.max(axis=1, initial=-np.inf), side="right")
+    a, b, c = (z[corner] for corner in mesh.triangles.T)
+    begin = np.searchsorted(levels, np.minimum(np.minimum(a, b), c), side="right")
+    end = np.searchsorted(levels, np.maximum(np.maximum(a, b), c), side="right")
     planes = len(heights)
     total = np.cumsum(
         np.bincount(begin, minlength=planes + 1) - np.bincount(end, minlength=planes + 1)
@@ -168,6 +180,11 @@ def check_heights(heights: Floats) -> None:
         raise GeometryError("section heights: give finite heights in ascending order")
 
 
+def shares(heights: Floats) -> list[Floats]:
+    """The heights (k,) in the shares that an executor is given."""
+    return np.split(heights, np.arange(SHARE, len(heights), SHARE))
+
+
 def plane_levels(heights: Floats, lowest: float) -> Floats:
     """(k,) least z of the nodes that are above each plane: the module's one rule."""
     base = np.abs(heights - lowest) < SNAP
@@ -183,14 +200,16 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
     crossed = np.empty(total, np.int64)
     level = np.full(total, -1)
     place = before[:-1].copy()
+    corner_z = np.empty(4)
     for triangle in range(len(triangles)):
+        for corner in range(4 if begin[triangle] < end[triangle] else 0):
+            corner_z[corner] = vertices[triangles[triangle, corner % 3], 2]
         for plane in range(begin[triangle], end[triangle]):
             slot = place[plane]
             place[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
-                tail_z = vertices[triangles[triangle, side], 2]
-                head_z = vertices[triangles[triangle, (side + 1) % 3], 2]
+                tail_z, head_z = corner_z[side], corner_z[side + 1]
                 tail_above, head_above = tail_z >= levels[plane], head_z >= levels[plane]
                 if tail_above and not head_above:
                     descent[slot] = edge_of[triangle, side]

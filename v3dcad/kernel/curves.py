@@ -38,7 +38,8 @@ def run_curve(run: Run, section: Section) -> Geom_Curve | None:
         frame = _frame(along, x, y, section.z, (major_x, major_y))
         major = float(np.hypot(major_x, major_y))
         return Geom_Ellipse(gp_Elips(frame, major, major * ratio))
-    return _spline(along, section.z) if len(along) > 2 else None
+    apart = _apart(along)
+    return _spline(apart, section.z) if len(apart) > 2 else None
 
 
 def _frame(along: Floats, x: float, y: float, z: float, first: tuple[float, float]) -> gp_Ax2:
@@ -46,6 +47,17 @@ def _frame(along: Floats, x: float, y: float, z: float, first: tuple[float, floa
     a, b = along[:2] - (x, y)
     way = 1.0 if a[0] * b[1] > a[1] * b[0] else -1.0
     return gp_Ax2(gp_Pnt(x, y, z), gp_Dir(0, 0, way), gp_Dir(*first, 0))
+
+
+def _apart(along: Floats) -> Floats:
+    """The points (k, 2) of a run but those that OCCT would take for the same as one before."""
+    kept = [0]
+    for place in range(1, len(along)):
+        if np.hypot(*(along[place] - along[kept[-1]])) > 2 * TOLERANCE:
+            kept.append(place)
+    # The end stays where it is, even if what comes before it has to give way.
+    kept[max(len(kept) - 1, 1) :] = [len(along) - 1]
+    return along[kept]
 
 
 def _spline(along: Floats, z: float) -> Geom_Curve:

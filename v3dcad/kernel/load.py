@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from OCP.BinTools import BinTools
@@ -14,12 +15,15 @@ from OCP.TopoDS import TopoDS_Shape
 from v3dcad.errors import FormatError
 from v3dcad.kernel.part import SolidPart, solid_part
 
+TAIL = 4096
+"""Bytes in which the end of a STEP file is looked for."""
+
 
 def load_step(path: Path) -> SolidPart:
     """The solids of a STEP file, in mm whatever the file's unit, assemblies in place.
 
-    Raises `FormatError` where the file is not STEP or cannot be read, `KernelError` where it
-    holds no solid.
+    Raises `FormatError` where the file is not STEP, is cut off or cannot be read, `KernelError`
+    where it holds no closed solid.
     """
     with path.open("rb") as file:
         if not file.read(256).lstrip().startswith(b"ISO-10303-21"):
@@ -27,10 +31,20 @@ def load_step(path: Path) -> SolidPart:
                 "not a STEP file (it does not begin with ISO-10303-21); export it again",
                 path=str(path),
             )
+        file.seek(max(path.stat().st_size - TAIL, 0))
+        if b"END-ISO-10303-21" not in file.read():
+            raise FormatError(
+                "cut off: it does not end with END-ISO-10303-21; export it again", path=str(path)
+            )
     reader = STEPControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.TransferRoots():
         raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
-    return solid_part(reader.OneShape(), path.stem, str(path))
+    part = solid_part(reader.OneShape(), path.stem, str(path))
+    model = reader.Model()
+    numbers = range(1, model.NbEntities() + 1)
+    unread = sum(model.IsUnknownEntity(k) or model.IsRedefinedContent(k) for k in numbers)
+    told = (f"{unread} entities of the file could not be read",) if unread else ()
+    return replace(part, findings=(*told, *part.findings))
 
 
 def load_brep(path: Path) -> SolidPart:

@@ -3,22 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
+from OCP.GeomAbs import GeomAbs_Plane
+from OCP.ShapeFix import ShapeFix_Shape
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
-from v3dcad.errors import KernelError
+from v3dcad.errors import KernelError, SettingError
+from v3dcad.geometry.surface_ends import exact_ends
+from v3dcad.geometry.surface_mesh import SurfaceMesh
+from v3dcad.geometry.surface_section import CHORD_TOLERANCE
+from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
-from v3dcad.kernel.shapes import FACE, SOLID, bounds, compound, location, subshapes, volume
-from v3dcad.model import Brep, Floats, Mesh, Placement, Section
+from v3dcad.kernel.shapes import FACE, SHELL, SOLID, bounds, compound, location, subshapes, volume
+from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
 TESSELLATION = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
+
+
+HERE = Placement.none()
+
+
+@lru_cache(maxsize=4)
+def prepared(shape: TopoDS_Shape) -> SurfaceMesh:
+    """The mesh that sections of a shape are made from, made once for each of the last shapes."""
+    return surface_mesh(shape)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,6 +52,8 @@ class SolidPart:
     """what the user should know of how the file was read"""
     stored: Brep | None = None
     """the very bytes that the solids were read from, where they were"""
+    placement: Placement = HERE
+    """how it came to where it is from where its source lies"""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -42,17 +63,39 @@ class SolidPart:
             "volume": f"{volume(self.shape):.6g} mm³",
         }
 
+    def normal(self, face: int) -> Floats:
+        """(3,) outward unit normal of a plane face, by its number from 0."""
+        faces = list(subshapes(self.shape, FACE))
+        if not 0 <= face < len(faces):
+            raise SettingError("up", f"--up {face}: the part's faces are 0 to {len(faces) - 1}")
+        surface = BRepAdaptor_Surface(TopoDS.Face_s(faces[face]))
+        if surface.GetType() != GeomAbs_Plane:
+            raise SettingError("up", f"--up {face}: this face is not plane; name another")
+        frame = surface.Plane().Position()
+        axis = np.cross(frame.XDirection().Coord(), frame.YDirection().Coord())
+        return -axis if faces[face].Orientation() == TopAbs_REVERSED else axis
+
     def placed(self, placement: Placement) -> SolidPart:
-        """The same solids, moved; bounds move with them, so that placing them again does not."""
-        if placement.is_shift() and not placement.translation.any():
+        """The same solids, moved; where they are only shifted, their bounds go with them."""
+        if placement.is_still():
             return self
         shape = self.shape.Moved(location(placement))
-        moved = placement.to_bed(self.bounds) if placement.is_shift() else bounds(shape)
-        return SolidPart(self.name, shape, moved, self.findings)
+        box = placement.to_bed(self.bounds) if placement.is_shift() else true_bounds(shape)
+        moved = self.placement.then(placement)
+        return replace(self, shape=shape, bounds=box, placement=moved, stored=None)
 
-    def sections(self, heights: Floats) -> Sequence[Section]:
+    def sections(
+        self,
+        heights: Floats,
+        chord_tolerance: float = CHORD_TOLERANCE,
+        executor: Executor | None = None,
+    ) -> Sequence[Section]:
         """Sections of the exact surfaces at ascending heights (mm)."""
-        return list(section_solids(self.shape, heights))
+        return list(section_solids(prepared(self.shape), heights, chord_tolerance, executor))
+
+    def exact(self, layer: Layer) -> Layer:
+        """The layer with the ends of its walls moved onto the true surface."""
+        return exact_ends(layer, prepared(self.shape))
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""
@@ -77,11 +120,54 @@ class SolidPart:
 
 
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
-    """The solids of any shape as a part; `KernelError` naming `where` if it holds none."""
+    """The solids of any shape as a part, healed where OCCT finds faults in them.
+
+    Findings say what was left out and what was healed. `KernelError`, naming `where`, if the
+    shape holds no solid, or one that is not closed.
+    """
     solids = list(subshapes(shape, SOLID))
     if not solids:
-        raise KernelError(f"{where}: holds no solid, only a solid can be filled; export a solid")
+        raise KernelError(f"{where}: holds no solid, {_instead(shape)}; export a solid")
     stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
-    findings = (f"{stray} faces belong to no solid and were left out",) if stray else ()
-    solid = compound(solids)
-    return SolidPart(name, solid, bounds(solid), findings)
+    findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
+    solid = _healed(compound(solids), findings)
+    try:
+        box = true_bounds(solid)
+    except KernelError as error:
+        raise KernelError(f"{where}: {error}") from error
+    return SolidPart(name, solid, box, tuple(findings))
+
+
+def _instead(shape: TopoDS_Shape) -> str:
+    """What there is where a solid should be."""
+    faces = sum(1 for _ in subshapes(shape, FACE))
+    if not faces:
+        return "and no face either"
+    shells = list(subshapes(shape, SHELL))
+    if shells and all(BRep_Tool.IsClosed_s(shell) for shell in shells):
+        return f"only {len(shells)} closed shells of {faces} faces that nothing calls a solid"
+    return f"only a sheet of {faces} faces that encloses nothing"
+
+
+def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
+    """The solids as they are where OCCT finds no fault, or else as ShapeFix mends them."""
+    if BRepCheck_Analyzer(solid).IsValid():
+        return solid
+    fix = ShapeFix_Shape(solid)
+    fix.Perform()
+    mended = fix.Shape()
+    if next(subshapes(mended, SOLID), None) is None:
+        mended = solid
+    if BRepCheck_Analyzer(mended).IsValid():
+        findings.append("OCCT found faults in the shape and healed them")
+    else:
+        findings.append("OCCT finds faults in the shape that it cannot heal: look at the sections")
+    return mended
+
+
+def true_bounds(shape: TopoDS_Shape) -> Floats:
+    """(2, 3) least and greatest coordinates of solids, mm; z to rounding, as sections have it."""
+    box = bounds(shape)
+    heights = prepared(shape).nodes[:, 2]
+    box[:, 2] = heights.min(), heights.max()
+    return box

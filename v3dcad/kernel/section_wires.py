@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from OCP.BRep import BRep_Builder
-from OCP.Geom import Geom_Circle, Geom_Ellipse, Geom_Line
-from OCP.GeomAPI import GeomAPI_Interpolate
-from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Elips, gp_Pnt
-from OCP.TColgp import TColgp_HArray1OfPnt
+from OCP.Geom import Geom_Curve, Geom_Line
+from OCP.gp import gp_Dir, gp_Pnt
 from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 
+from v3dcad.kernel.curves import TOLERANCE, run_curve, span
 from v3dcad.kernel.shapes import location
 from v3dcad.model import Floats, Placement, Run, Section
-
-TOLERANCE = 1e-7
-"""mm: OCCT's confusion. Vertices are given more where a run's end lies farther from its curve."""
 
 
 def section_wires(section: Section, placement: Placement | None = None) -> list[TopoDS_Wire]:
@@ -33,25 +27,25 @@ def section_wires(section: Section, placement: Placement | None = None) -> list[
         runs.setdefault(run.ring, []).append(run)
     for number, ring in enumerate(section.rings):
         lines = [Run(number, k, k + 1, "line", -1, ()) for k in range(len(ring))]
-        wires.append(_wire(ring, section.z, runs.get(number, lines)))
+        wires.append(_wire(ring, section, runs.get(number, lines)))
     if placement is not None:
         motion = location(placement).Inverted()
         wires = [TopoDS.Wire_s(wire.Moved(motion)) for wire in wires]
     return wires
 
 
-def _wire(ring: Floats, z: float, runs: list[Run]) -> TopoDS_Wire:
+def _wire(ring: Floats, section: Section, runs: list[Run]) -> TopoDS_Wire:
     builder = BRep_Builder()
     wire = TopoDS_Wire()
     builder.MakeWire(wire)
     vertices = []
     for run in runs:
         vertex = TopoDS_Vertex()
-        builder.MakeVertex(vertex, gp_Pnt(*ring[run.start].tolist(), z), TOLERANCE)
+        builder.MakeVertex(vertex, gp_Pnt(*ring[run.start].tolist(), section.z), TOLERANCE)
         vertices.append(vertex)
     for k, run in enumerate(runs):
         points = ring[np.arange(run.start, run.stop + 1) % len(ring)]
-        edge = _edge(builder, points, z, run, vertices[k], vertices[(k + 1) % len(runs)])
+        edge = _edge(builder, points, section, run, vertices[k], vertices[(k + 1) % len(runs)])
         builder.Add(wire, edge)
     wire.Closed(True)
     return wire
@@ -60,12 +54,12 @@ def _wire(ring: Floats, z: float, runs: list[Run]) -> TopoDS_Wire:
 def _edge(
     builder: BRep_Builder,
     points: Floats,
-    z: float,
+    section: Section,
     run: Run,
     first: TopoDS_Vertex,
     last: TopoDS_Vertex,
 ) -> TopoDS_Edge:
-    curve, start, stop = _curve(points, z, run)
+    curve, start, stop = _curve(points, section, run)
     edge = TopoDS_Edge()
     builder.MakeEdge(edge, curve, TOLERANCE)
     builder.Range(edge, start, stop)
@@ -73,47 +67,21 @@ def _edge(
         (first, points[0], start, TopAbs_FORWARD),
         (last, points[-1], stop, TopAbs_REVERSED),
     ):
-        gap = gp_Pnt(*point.tolist(), z).Distance(curve.Value(parameter))
+        gap = gp_Pnt(*point.tolist(), section.z).Distance(curve.Value(parameter))
         if gap > TOLERANCE:
             builder.UpdateVertex(vertex, 1.01 * gap)
         builder.Add(edge, vertex.Oriented(way))
     return edge
 
 
-def _curve(points: Floats, z: float, run: Run) -> tuple[Any, float, float]:
+def _curve(points: Floats, section: Section, run: Run) -> tuple[Geom_Curve, float, float]:
     """The curve of a run, and its parameters at the run's first and last point."""
-    if run.curve in ("circle", "ellipse"):
-        return _conic(points, z, run)
-    if run.curve == "line" or len(points) == 2:
+    curve = run_curve(run, section)
+    if curve is None:
         way = points[-1] - points[0]
-        line = Geom_Line(gp_Pnt(*points[0].tolist(), z), gp_Dir(*way.tolist(), 0.0))
+        line = Geom_Line(gp_Pnt(*points[0].tolist(), section.z), gp_Dir(*way.tolist(), 0.0))
         return line, 0.0, float(np.hypot(*way))
-    closed = np.array_equal(points[0], points[-1])
-    knots = points[:-1] if closed else points
-    array = TColgp_HArray1OfPnt(1, len(knots))
-    for i, point in enumerate(knots.tolist(), start=1):
-        array.SetValue(i, gp_Pnt(*point, z))
-    interpolation = GeomAPI_Interpolate(array, closed, TOLERANCE)
-    interpolation.Perform()
-    spline = interpolation.Curve()
-    return spline, spline.FirstParameter(), spline.LastParameter()
-
-
-def _conic(points: Floats, z: float, run: Run) -> tuple[Any, float, float]:
-    centre = np.array(run.parameters[:2])
-    if run.curve == "circle":
-        major, ratio = np.array([run.parameters[2], 0.0]), 1.0
-    else:
-        major, ratio = np.array(run.parameters[2:4]), run.parameters[4]
-    along = (points - centre) @ major
-    across = (points - centre) @ np.array([-major[1], major[0]]) / ratio
-    angle = np.unwrap(np.arctan2(across, along))
-    side = 1.0 if angle[-1] > angle[0] else -1.0
-    frame = gp_Ax2(gp_Pnt(*centre.tolist(), z), gp_Dir(0, 0, side), gp_Dir(*major.tolist(), 0.0))
-    radius = float(np.hypot(*major))
-    curve = (
-        Geom_Circle(gp_Circ(frame, radius))
-        if run.curve == "circle"
-        else Geom_Ellipse(gp_Elips(frame, radius, radius * ratio))
-    )
-    return curve, side * float(angle[0]), side * float(angle[-1])
+    if run.curve == "points":
+        return curve, curve.FirstParameter(), curve.LastParameter()
+    ends = np.column_stack([points[[0, -1]], [section.z, section.z]])
+    return curve, *span(curve, ends[0], ends[1])

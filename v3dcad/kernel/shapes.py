@@ -12,14 +12,14 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Trsf
 from OCP.GProp import GProp_GProps
-from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
 
 from v3dcad.model import Floats, Placement
 
-SOLID, FACE, EDGE = TopAbs_SOLID, TopAbs_FACE, TopAbs_EDGE
+SOLID, SHELL, FACE, EDGE = TopAbs_SOLID, TopAbs_SHELL, TopAbs_FACE, TopAbs_EDGE
 
 
 def subshapes(shape: TopoDS_Shape, kind: Any, outside: Any = None) -> Iterator[TopoDS_Shape]:

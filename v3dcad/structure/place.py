@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from v3dcad.errors import SettingError
@@ -15,11 +17,44 @@ TOP = 1e-6
 """mm; a plane this close to the part's top cuts nothing off it and is not a layer."""
 
 
-def on_bed(bounds: Floats) -> Placement:
-    """The shift that centres bounds (2, 3), mm, in x and y and puts their base on z = 0."""
+def on_bed(bounds: Floats, base_clearance: float = 0.0) -> Placement:
+    """The shift that centres bounds (2, 3), mm, in x and y and puts their base on z = 0.
+
+    With a clearance (mm) the base lies that far below z = 0.
+    """
     x, y, _ = bounds.mean(axis=0)
-    shift = -np.array([x, y, bounds[0, 2]])
+    shift = -np.array([x, y, bounds[0, 2] + base_clearance])
     return Placement(np.eye(3), np.where(np.abs(shift) < SNAP, 0.0, shift))
+
+
+def turned(degrees: Sequence[float]) -> Placement:
+    """The rotation about x, then y, then z, each by so many degrees; exact in right angles.
+
+    `SettingError` unless there are three finite numbers.
+    """
+    if len(degrees) != 3 or not np.all(np.isfinite(degrees)):
+        raise SettingError("rotate", "--rotate: give three angles in degrees, such as 90,0,0")
+    rotation = np.eye(3)
+    for axis, angle in enumerate(degrees):
+        quarters, rest = divmod(float(angle), 90.0)
+        cosine, sine = np.cos(np.radians(rest)), np.sin(np.radians(rest))
+        for _ in range(int(quarters % 4)):
+            cosine, sine = -sine, cosine
+        step = np.eye(3)
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        step[first, first] = step[second, second] = cosine
+        step[first, second], step[second, first] = -sine, sine
+        rotation = step @ rotation
+    return Placement(rotation, np.zeros(3))
+
+
+def upward(direction: Floats) -> Placement:
+    """The least rotation that makes a unit vector (3,) point up (Rodrigues' formula)."""
+    x, y, z = direction.tolist()
+    if z < -1 + 1e-15:
+        return turned((180.0, 0.0, 0.0))
+    tilt = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+    return Placement(np.eye(3) + tilt + tilt @ tilt / (1 + z), np.zeros(3))
 
 
 def layer_heights(top: float, layer_height: float) -> Floats:

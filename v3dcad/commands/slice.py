@@ -1,0 +1,69 @@
+"""The command that cuts a part into sections and does nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.progress import Progress
+from v3dcad.commands.rows import print_rows
+from v3dcad.errors import FormatError, SettingError
+from v3dcad.options import given, with_options
+from v3dcad.settings import SectionSettings
+
+OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the sections here.")]
+
+
+@with_options(SectionSettings)
+def slice_part(
+    part: PartFile,
+    step: OutputFile = None,
+    svg: OutputFile = None,
+    rotate: Rotate = None,
+    up: Up = None,
+    repair: Repair = False,
+    as_brep: AsBrep = False,
+    **settings: Any,
+) -> None:
+    """Cut PART into sections: STEP with exact lines and arcs, SVG."""
+    from v3dcad.slicing import section, write_sections_step, write_sections_svg
+
+    files = [file for file in (step, svg) if file is not None]
+    if not files:
+        raise SettingError("step", "nothing to write: give --step FILE or --svg FILE")
+    for file in files:
+        if file.resolve() == part.resolve():
+            message = f"{file}: would overwrite the part itself; name another place"
+            raise SettingError("step" if file == step else "svg", message)
+    with Progress() as progress:
+        progress.start("reading the part")
+        found = part_of(part, rotate, up, repair, as_brep)
+        if found is None:
+            message = "slice the part that it was made from; fill makes its structure"
+            raise FormatError(message, path=str(part))
+        sections = section(found, **given(SectionSettings, settings))
+        watched = progress.watch(sections)
+        if step is not None:
+            progress.start(f"writing {step}")
+            write_sections_step(watched, step, sections.part)
+        if svg is not None:
+            progress.start(f"writing {svg}")
+            write_sections_svg(watched, svg)
+        progress.start("counting")
+        counts = [(len(cut.rings), sum(map(len, cut.rings))) for cut in watched]
+    rings, points = zip(*counts, strict=True)
+    low, high = sections.part.bounds
+    size = " × ".join(f"{length:.6g}" for length in high - low)
+    print_rows(
+        [
+            ("part", f"{sections.part.name}, {size} mm"),
+            ("sections", len(sections)),
+            ("contours", f"{sum(rings)}, at most {max(rings)} in one section"),
+            ("points", sum(points)),
+            *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files),
+            *(("note", finding) for finding in sections.part.findings),
+        ]
+    )

@@ -1,0 +1,132 @@
+"""Where walls end on the true surface: their ends, cut at the chords of contours, moved there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+
+from v3dcad.geometry.contours import Stretch, contours
+from v3dcad.geometry.surface_mesh import SurfaceMesh, project
+from v3dcad.geometry.surfaces import surface_at
+from v3dcad.model import Floats, Layer, Run, Section
+
+STARTS = 6
+"""Places that Newton's method is started from."""
+
+REACH = 0.1
+"""mm; an end that would have to go farther stays: its wall runs along the surface."""
+
+
+def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
+    """The layer with the ends of walls on its curved contours moved along them to the surface.
+
+    `mesh` is the one that the layer's section was made from. Only runs of points need it: lines
+    are exact, and circles and ellipses say where they are. The moved ends become points of the
+    rings, so that curves laid through these pass through the ends.
+    """
+    diagram, z = layer.diagram, layer.z
+    walls = diagram.edges[diagram.inner()]
+    behind = dict(np.concatenate([walls, walls[:, ::-1]]).tolist())
+    found = contours(layer.section, diagram)
+    points = diagram.vertices.copy()
+    ends: dict[int, list[int]] = {}
+    for contour in found:
+        for stretch, following in zip(contour, contour[1:] + contour[:1], strict=True):
+            end = stretch.chain[-1]
+            if stretch.run.curve == "points" and stretch.run == following.run and end in behind:
+                ends.setdefault(stretch.run.face, []).append(end)
+    if not ends:
+        return layer
+    for face, ids in ends.items():
+        ways = points[ids] - diagram.vertices[[behind[end] for end in ids]]
+        corners = mesh.faces == face
+        points[ids] = _on_surface(
+            mesh.heap,
+            mesh.surfaces[face],
+            mesh.nodes[mesh.triangles[corners]].reshape(-1, 3),
+            mesh.corners[corners].reshape(-1, 2),
+            z,
+            points[ids],
+            ways,
+        )
+    rings, runs = [], []
+    for number, contour in enumerate(found):
+        ring, of_ring = _ring(number, contour, points)
+        rings.append(ring)
+        runs += of_ring
+    section = Section(z, tuple(rings), tuple(runs))
+    return replace(layer, section=section, diagram=replace(diagram, vertices=points))
+
+
+def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, list[Run]]:
+    """A contour as a ring of points (k, 2) that begins where a run does, and its runs."""
+    turns = (k for k in range(len(contour)) if contour[k].run != contour[k - 1].run)
+    first = next(turns, 0)
+    ids: list[int] = []
+    runs: list[Run] = []
+    before: Run | None = None
+    for chain, run in contour[first:] + contour[:first]:
+        start = runs.pop().start if run == before else len(ids)
+        ids += chain[:-1]
+        runs.append(run._replace(ring=number, start=start, stop=len(ids)))
+        before = run
+    return points[ids], runs
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignore[no-untyped-def]
+    """Ends (k, 2) moved along lines (k, 2) to where z(u, v) = height, by Newton's method.
+
+    It starts from the nearest of the face's mesh corners (their points and parameters), and from
+    the next ones where that leads off the face: along a seam corners lie on both of its sides.
+    """
+    moved = ends.copy()
+    low, high = np.array([np.inf, np.inf]), np.array([-np.inf, -np.inf])
+    for corner in corners:
+        low, high = np.minimum(low, corner), np.maximum(high, corner)
+    slack = 1e-9 * (high - low)
+    low, high = low - slack, high + slack
+    gaps = np.empty(len(nodes))
+    for k in range(len(ends)):
+        point = np.array([ends[k, 0], ends[k, 1], height])
+        for corner in range(len(nodes)):
+            gap = nodes[corner] - point
+            gaps[corner] = gap @ gap
+        for _ in range(STARTS):
+            nearest = np.argmin(gaps)
+            u, v = project(heap, place, point, corners[nearest, 0], corners[nearest, 1])
+            u, v, x, y, settled = _solved(heap, place, height, ends[k], ways[k], u, v)
+            on_face = low[0] <= u <= high[0] and low[1] <= v <= high[1]
+            if settled and on_face and np.hypot(x - ends[k, 0], y - ends[k, 1]) < REACH:
+                moved[k, 0], moved[k, 1] = x, y
+                break
+            for corner in range(len(nodes)):  # not from here again
+                if np.all(corners[corner] == corners[nearest]):
+                    gaps[corner] = np.inf
+    return moved
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _solved(heap, place, height, end, way, u, v):  # type: ignore[no-untyped-def]
+    """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
+    length = np.hypot(way[0], way[1])
+    across_x, across_y = -way[1] / length, way[0] / length
+    for _ in range(20):
+        s = surface_at(heap, place, u, v)
+        rise = s[0, 2] - height
+        aside = (s[0, 0] - end[0]) * across_x + (s[0, 1] - end[1]) * across_y
+        if max(abs(rise), abs(aside)) < 1e-12:
+            break
+        u_aside = s[1, 0] * across_x + s[1, 1] * across_y
+        v_aside = s[2, 0] * across_x + s[2, 1] * across_y
+        determinant = s[1, 2] * v_aside - s[2, 2] * u_aside
+        if determinant == 0.0:
+            break
+        u -= (rise * v_aside - s[2, 2] * aside) / determinant
+        v -= (s[1, 2] * aside - u_aside * rise) / determinant
+    s = surface_at(heap, place, u, v)
+    aside = (s[0, 0] - end[0]) * across_x + (s[0, 1] - end[1]) * across_y
+    settled = abs(s[0, 2] - height) < 1e-9 and abs(aside) < 1e-9
+    return u, v, s[0, 0], s[0, 1], settled
