@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.cut import cut_with_room, empty_cut
 from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.tree import empty_tree
 from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.structure.births import no_squares
 from v3dcad.structure.layers import (
     LAYERS,
     NEEDS_ROOM,
@@ -86,7 +88,9 @@ class Course:
         self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
         self.motion = motion_of(self.mesh, growth, first, last)
-        self._tree = empty_tree(0, 0)
+        room, slots = len(self.mesh.points), len(self.mesh.triangles)
+        self._cut, self._tree = empty_cut(room, slots), empty_tree(room, 3 * slots)
+        self._squares = no_squares(room)
         self.motion.born[SENTINELS:] = sites.born
 
     def sites(self) -> Timed:
@@ -164,15 +168,19 @@ class Course:
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
         places = np.empty((room, 2), np.int64)
         places[site_of[SENTINELS:count]] = self.mesh.points[SENTINELS:count, :2]
-        if len(self._tree.first) != 3 * len(self.mesh.triangles):
-            self._tree = empty_tree(room, 3 * len(self.mesh.triangles))
+        if len(self._cut.inside) != len(self.mesh.triangles):
+            slots = len(self.mesh.triangles)
+            self._cut = cut_with_room(self._cut, room, slots)
+            self._tree, self._squares = empty_tree(room, 3 * slots), no_squares(room)
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
         reach = self.growth_step / (2 * self.slope) / self.grid.pitch
         made: Run = run(
             self.mesh,
             self.motion,
+            self._cut,
             self._tree,
+            self._squares,
             site_of,
             places,
             rings,
@@ -201,7 +209,7 @@ class Course:
                 graph = int(made.graphs[layer])
                 edges = _piece(made.edges, made.edge_rows, graph)
                 edge_sites = _piece(made.sites, made.edge_rows, graph)
-                neighbours = _piece(made.neighbours, made.neighbour_rows, graph)
+                neighbours = made.sites[made.edge_rows[graph] : made.pair_rows[graph]]
                 tree = _piece(made.tree, made.tree_rows, graph)
             count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
             time = self.times[index + layer]
