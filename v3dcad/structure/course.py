@@ -13,7 +13,7 @@ from v3dcad.geometry.cut import cut_with_room, empty_cut
 from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.tree import empty_tree
+from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
 from v3dcad.structure.births import no_squares
@@ -89,7 +89,7 @@ class Course:
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
         self.motion = motion_of(self.mesh, growth, first, last)
         room, slots = len(self.mesh.points), len(self.mesh.triangles)
-        self._cut, self._tree = empty_cut(room, slots), empty_tree(room, 3 * slots)
+        self._cut, self._tree = empty_cut(room, slots), empty_tree(room)
         self._squares = no_squares(room)
         self.motion.born[SENTINELS:] = sites.born
 
@@ -163,15 +163,13 @@ class Course:
         return self.grid.millimetres(places[a] + shift)
 
     def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
-        room, count = len(self.mesh.points), int(self.mesh.count[POINTS])
+        room = len(self.mesh.points)
         site_of = np.arange(room) - SENTINELS
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
-        places = np.empty((room, 2), np.int64)
-        places[site_of[SENTINELS:count]] = self.mesh.points[SENTINELS:count, :2]
         if len(self._cut.inside) != len(self.mesh.triangles):
             slots = len(self.mesh.triangles)
             self._cut = cut_with_room(self._cut, room, slots)
-            self._tree, self._squares = empty_tree(room, 3 * slots), no_squares(room)
+            self._tree, self._squares = tree_with_room(self._tree, room), no_squares(room)
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
         reach = self.growth_step / (2 * self.slope) / self.grid.pitch
@@ -182,7 +180,6 @@ class Course:
             self._tree,
             self._squares,
             site_of,
-            places,
             rings,
             times,
             float(left),

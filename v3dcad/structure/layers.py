@@ -12,13 +12,12 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CHANGED, CROSSED, CUT, VERTICES, WHOLE, count_cells, renew_cut
+from v3dcad.geometry.cut import CROSSED, CUT, VERTICES, WHOLE, count_cells, renew_cut
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.graph import place_vertices, write_edges
 from v3dcad.geometry.kinetics import EVERYTHING, MOTION, STRUTS, TOUCHED, advance
-from v3dcad.geometry.tree import COUNT as BRANCHES
-from v3dcad.geometry.tree import TREE, renew_tree
-from v3dcad.geometry.triangulation import MESH, POINTS, SENTINELS
+from v3dcad.geometry.tree import TREE, renew_tree, write_tree
+from v3dcad.geometry.triangulation import MESH, POINTS
 from v3dcad.geometry.walk import (
     EDGE,
     FLOAT_ROWS,
@@ -166,18 +165,17 @@ def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
 
 
 @njit(
-    RUN(MESH, MOTION, CUT, TREE, SQUARES, INTS, INT_ROWS, RINGS, INTS, *[types.float64] * 5),
+    RUN(MESH, MOTION, CUT, TREE, SQUARES, INTS, RINGS, INTS, *[types.float64] * 5),
     **COMPILED,
 )
 def run(  # type: ignore[no-untyped-def]
-    mesh, motion, cut, tree, squares, site_of, places, rings, times, left, low, pitch, reach,
+    mesh, motion, cut, tree, squares, site_of, rings, times, left, low, pitch, reach,
     full_cell,
 ):  # fmt: skip
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
-    `cut` and `tree` are those of the layer before. `site_of` (p,) gives each point's site,
-    `places` (p, 2) each site's place in grid steps; (`left`, `low`), mm, and `pitch` the grid.
-    Births are given where the area per cell is above `full_cell`, mm² (infinite: none), at a
+    `cut` and `tree` are those of the layer before. `site_of` (p,) gives each point's site;
+    (`left`, `low`), mm, and `pitch` say where the grid lies. Births are given where the area per cell is above `full_cell`, mm² (infinite: none), at a
     distance of `reach` grid steps per step of growth.
     """
     layers = len(times)
@@ -252,9 +250,6 @@ def run(  # type: ignore[no-untyped-def]
             )
             if born == 0:
                 break
-            for point in range(mesh.count[POINTS] - born, mesh.count[POINTS]):
-                places[site_of[point], 0] = mesh.points[point, 0]
-                places[site_of[point], 1] = mesh.points[point, 1]
             if not advance(mesh, motion, times[layer]):
                 outcome[STATUS] = NEEDS_ROOM
                 break
@@ -270,21 +265,10 @@ def run(  # type: ignore[no-untyped-def]
                 mesh, cut, site_of, stepped, starts, after, begun_in, crossings, at, count,
                 next_on, edges, sites, row,
             )  # fmt: skip
-            pairs, whole = pair_rows[graph] - row, cut.state[WHOLE]
-            keys = np.empty(pairs, np.int32)
-            for pair in range(pairs):
-                keys[pair] = cut.halves[pair, 0] if pair < whole else cut.crossed[pair - whole]
-            renew_tree(tree, places, sites, keys, row, mesh.count[POINTS] - SENTINELS)
-            for pair in range(cut.state[CHANGED]):
-                cut.before[cut.changed[pair]] = -1
-            cut.state[CHANGED] = 0
-            end = tree_rows[graph]
-            branches = _with_room(branches, end, tree.state[BRANCHES])
-            for branch in range(tree.state[BRANCHES]):
-                key = tree.branches[branch]
-                branches[end, 0], branches[end, 1] = tree.first[key], tree.second[key]
-                end += 1
-            tree_rows[graph + 1] = end
+            renew_tree(mesh, cut, tree, site_of)
+            row = tree_rows[graph]
+            branches = _with_room(branches, row, mesh.count[POINTS])
+            tree_rows[graph + 1] = write_tree(mesh, tree, site_of, branches, row)
             starts_before, begun_before = starts, begun_in
         row = vertex_rows[layer]
         room = cut.state[VERTICES] + len(corners) + count
