@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -199,23 +198,31 @@ class Course:
         )
         layer_of = np.searchsorted(self.times, sites.born)
         born_at = np.where(sites.born == ALWAYS, 0.0, self.heights[layer_of % len(self.heights)])
-        base, growth = sites.base, sites.growth
-        vertices, graph = made.vertices, -1
+        # Whole numbers as floats: exact (see `grid.py`).
+        base, growth = sites.base.astype(np.float64), sites.growth.astype(np.float64)
+        for array in (places, speed, born_at, made.vertices, made.edges, made.sites, made.tree):
+            array.flags.writeable = False  # so that the values need no views of their own
+        edge_rows, pair_rows, tree_rows = (
+            rows.tolist() for rows in (made.edge_rows, made.pair_rows, made.tree_rows)
+        )
+        graph = -1
         for layer in range(int(made.outcome[LAYERS])):
             if made.graphs[layer] != graph:
                 graph = int(made.graphs[layer])
-                edges = _piece(made.edges, made.edge_rows, graph)
-                edge_sites = _piece(made.sites, made.edge_rows, graph)
-                neighbours = made.sites[made.edge_rows[graph] : made.pair_rows[graph]]
-                tree = _piece(made.tree, made.tree_rows, graph)
+                row, end = edge_rows[graph], edge_rows[graph + 1]
+                edges, edge_sites = made.edges[row:end], made.sites[row:end]
+                neighbours = made.sites[row : pair_rows[graph]]
+                tree = made.tree[tree_rows[graph] : tree_rows[graph + 1]]
             count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
-            time = self.times[index + layer]
-            weights = (base[:count] + growth[:count] * time) * grid.pitch**2
+            weights = growth[:count] * float(self.times[index + layer])
+            weights += base[:count]
+            weights *= grid.pitch**2
+            vertices = made.vertices[made.vertex_rows[layer] : made.vertex_rows[layer + 1]]
             yield Layer(
                 index + layer,
                 sections[layer],
                 SiteState(places[:count], weights, speed[:count], born_at[:count]),
-                Diagram(_piece(vertices, made.vertex_rows, layer), edges, edge_sites, neighbours),
+                Diagram(vertices, edges, edge_sites, neighbours),
                 tree,
                 float(made.areas[layer]) / max(cells, 1),
             )
@@ -237,10 +244,6 @@ def rings_of(sections: Sequence[Section]) -> Rings:
 
 def _rest(rings: Rings, layers: int) -> Rings:
     return rings._replace(layers=rings.layers[layers:])
-
-
-def _piece(rows: Any, starts: Ints, part: int) -> Any:
-    return rows[starts[part] : starts[part + 1]]
 
 
 def _refuse_crossings(rings: Rings, index: int) -> None:
