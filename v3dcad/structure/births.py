@@ -158,10 +158,17 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@njit(types.boolean(WORD, WORD, WORD, FLOAT), **INLINED)
-def ripe(born, growth, now, gain):  # type: ignore[no-untyped-def]
-    """Whether a point is no newborn, or has gained so much weight since its birth, steps²."""
-    return born == ALWAYS or growth * (now - born) >= gain
+@njit(
+    types.boolean(types.int64[::1], types.int64[::1], types.int32[:, ::1], WORD, WORD, FLOAT),
+    **INLINED,
+)
+def ripe_around(births, growth, corners, vertex, now, gain):  # type: ignore[no-untyped-def]
+    """Whether none of a vertex's cells is a newborn that has not yet gained so much, steps²."""
+    for k in range(1, 4):
+        point = corners[vertex, k]
+        if births[point] != ALWAYS and growth[point] * (now - births[point]) < gain:
+            return False
+    return True
 
 
 @njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
@@ -192,20 +199,20 @@ def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignor
     heap, places = np.empty(total), np.empty(total, np.int32)
     for vertex in range(total):
         holes[vertex] = power[vertex, 0] + now * (power[vertex, 1] + now * power[vertex, 2])
-        largest = max(largest, holes[vertex])
+    for vertex in range(total):
+        if holes[vertex] > largest and ripe_around(births, growth, corners, vertex, time, gain):
+            largest = holes[vertex]
     # Mostly the largest holes will do; all others are looked at where they do not.
     for above, up_to in ((SHARE * largest, np.inf), (-np.inf, SHARE * largest)):
+        if born == wanted:
+            break
         length = 0
         for vertex in range(total):
-            if above < holes[vertex] <= up_to:
-                a, b, c = corners[vertex, 1], corners[vertex, 2], corners[vertex, 3]
-                if (
-                    ripe(births[a], growth[a], time, gain)
-                    and ripe(births[b], growth[b], time, gain)
-                    and ripe(births[c], growth[c], time, gain)
-                ):
-                    heap[length], places[length] = holes[vertex], corners[vertex, 0]
-                    length += 1
+            if above < holes[vertex] <= up_to and ripe_around(
+                births, growth, corners, vertex, time, gain
+            ):
+                heap[length], places[length] = holes[vertex], corners[vertex, 0]
+                length += 1
         for at in range(length // 2 - 1, -1, -1):
             _sink(heap, places, at, length)
         while born < wanted and length > 0:
