@@ -22,6 +22,7 @@ from v3dcad.geometry.triangulation import (
     NOTHING,
     POINTS,
     SENTINELS,
+    TRIANGLE_ROWS,
     corner_at,
     edge_to,
 )
@@ -93,7 +94,9 @@ def _hang(above, point, under):  # type: ignore[no-untyped-def]
 def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
     """The minimum spanning forest (k, 2) of pairs (m, 2) of points, shortest first."""
     count, chosen = len(pairs), 0
-    order, other, width = np.arange(count), np.empty(count, np.int64), 1
+    order, other, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
+    for edge in range(count):
+        order[edge] = edge
     while width < count:  # merge sort
         for start in range(0, count, 2 * width):
             left, middle = start, min(start + width, count)
@@ -115,33 +118,34 @@ def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
                     other[to] = order[right]
                     right += 1
         order, other, width = other, order, 2 * width
-    piece, tree = np.arange(len(points)).astype(np.int32), np.empty((count, 2), np.int64)
+    piece, tree = np.empty(len(points), np.int32), np.empty((count, 2), np.int64)
+    for point in range(len(points)):
+        piece[point] = point
     for edge in order:
         a, b = _root(piece, pairs[edge, 0]), _root(piece, pairs[edge, 1])
         if a != b:
             piece[a] = b
             tree[chosen, 0], tree[chosen, 1] = pairs[edge, 0], pairs[edge, 1]
             chosen += 1
-    return tree[:chosen].copy()
+    return tree[:chosen]
 
 
-@njit(WORD(MESH, LENGTHS, WORD, WORD), **INTERNAL)
-def _key_of(mesh, pair_at, triangle, i):  # type: ignore[no-untyped-def]
+@njit(WORD(TRIANGLE_ROWS, LENGTHS, WORD, WORD), **INLINED)
+def _key_of(triangles, pair_at, triangle, i):  # type: ignore[no-untyped-def]
     """The key of edge i of a triangle, if the graph has that edge; else −1."""
-    other = mesh.triangles[triangle, ACROSS + i]
+    other = triangles[triangle, ACROSS + i]
     if other == NOTHING:
         return -1
     if other > triangle:
         key = 3 * triangle + i
     else:
-        key = 3 * other + edge_to(mesh.triangles, other, triangle)
+        key = 3 * other + edge_to(triangles, other, triangle)
     return key if pair_at[key] != 0 else -1
 
 
-@njit(types.boolean(MESH, LENGTHS, LENGTHS, WORD), **INTERNAL)
-def _may_be_branch(mesh, site_of, pair_at, key):  # type: ignore[no-untyped-def]
+@njit(types.boolean(POINT_ROWS, TRIANGLE_ROWS, LENGTHS, LENGTHS, WORD), **INTERNAL)
+def _may_be_branch(points, triangles, site_of, pair_at, key):  # type: ignore[no-untyped-def]
     """Whether the edge with a key is not the longest of a triangle of the graph."""
-    points, triangles = mesh.points, mesh.triangles
     first, i = key // 3, key % 3
     a, b = triangles[first, (i + 1) % 3], triangles[first, (i + 2) % 3]
     for side in range(2):
@@ -149,7 +153,7 @@ def _may_be_branch(mesh, site_of, pair_at, key):  # type: ignore[no-untyped-def]
         j = i if side == 0 else edge_to(triangles, triangle, first)
         c, joined = triangles[triangle, j], True
         for k in range(1, 3):
-            joined = joined and _key_of(mesh, pair_at, triangle, (j + k) % 3) >= 0
+            joined = joined and _key_of(triangles, pair_at, triangle, (j + k) % 3) >= 0
         if (
             joined
             and _shorter(points, site_of, a, c, a, b)
@@ -169,7 +173,7 @@ def _are_joined(mesh, pair_at, a, b):  # type: ignore[no-untyped-def]
     while True:
         k = corner_at(triangles, triangle, a)
         if triangles[triangle, (k + 1) % 3] == b:
-            return _key_of(mesh, pair_at, triangle, (k + 2) % 3) >= 0
+            return _key_of(triangles, pair_at, triangle, (k + 2) % 3) >= 0
         triangle = triangles[triangle, ACROSS + (k + 1) % 3]
         if triangle == first:
             return False
@@ -206,7 +210,7 @@ def _reattach(mesh, cut, tree, site_of, root):  # type: ignore[no-untyped-def]
                     elif inner == NOTHING or _shorter(
                         points, site_of, point, other, inner, outer
                     ):
-                        key = _key_of(mesh, pair_at, triangle, (k + 2) % 3)
+                        key = _key_of(triangles, pair_at, triangle, (k + 2) % 3)
                         if key >= 0 and (before[key] < 0 or before[key] == pair_at[key]):
                             inner, outer = point, other
                 triangle = triangles[triangle, ACROSS + (k + 1) % 3]
@@ -249,8 +253,9 @@ def _join(mesh, tree, site_of, a, b):  # type: ignore[no-untyped-def]
 @njit(types.void(ROW, PAIRS), **INTERNAL)
 def _root_all(above, branches):  # type: ignore[no-untyped-def]
     """Hang a forest's points from each other, starting anywhere."""
-    size = np.ones(len(above), np.int32)
-    piece = np.arange(len(above)).astype(np.int32)
+    size, piece = np.empty(len(above), np.int32), np.empty(len(above), np.int32)
+    for point in range(len(above)):
+        size[point], piece[point] = 1, point
     for branch in range(len(branches)):
         a, b = branches[branch, 0], branches[branch, 1]
         c, d = _root(piece, a), _root(piece, b)
@@ -265,12 +270,14 @@ def _root_all(above, branches):  # type: ignore[no-untyped-def]
 def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
     """Make it the tree of the cut's neighbours again, after what the cut says has changed."""
     above, pair_at, before, changed = tree.above, cut.pair_at, cut.before, cut.changed
+    points, triangles = mesh.points, mesh.triangles
     count, whole = cut.state[CHANGED], cut.state[WHOLE]
     if FEW * count > whole + cut.state[CROSSED]:
-        pairs, many = np.empty((whole + cut.state[CROSSED], 2), np.int64), 0
-        for edge in range(whole + cut.state[CROSSED]):
-            key = cut.halves[edge, 0] if edge < whole else cut.crossed[edge - whole]
-            if _may_be_branch(mesh, site_of, pair_at, key):
+        halves, crossed, edges = cut.halves, cut.crossed, whole + cut.state[CROSSED]
+        pairs, many = np.empty((edges, 2), np.int64), 0
+        for edge in range(edges):
+            key = halves[edge, 0] if edge < whole else crossed[edge - whole]
+            if _may_be_branch(points, triangles, site_of, pair_at, key):
                 pairs[many, 0], pairs[many, 1] = pair_at[key] >> 32, pair_at[key] & MASK
                 many += 1
         for point in range(mesh.count[POINTS]):
@@ -299,7 +306,7 @@ def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
                 and pair != before[key]
                 and above[a] != b
                 and above[b] != a
-                and _may_be_branch(mesh, site_of, pair_at, key)
+                and _may_be_branch(points, triangles, site_of, pair_at, key)
             ):
                 _join(mesh, tree, site_of, a, b)
     for place in range(count):

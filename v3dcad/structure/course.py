@@ -83,6 +83,7 @@ class Course:
         self.heights = heights
         self.times = times_of(heights, growth_step, grid)
         self._curve = sites.site_of
+        self._rank = np.argsort(sites.site_of)
         first, last = int(self.times[0]), int(self.times[-1])
         self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
@@ -191,13 +192,18 @@ class Course:
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""
-        grid, sites = self.grid, self.sites().by_site()
+        grid, sites = self.grid, self.sites()
+        sites = sites.rows(
+            np.concatenate([self._rank, np.arange(len(self._rank), len(sites.site_of))])
+        )
         places, speed = (
             grid.millimetres(sites.places),
             self.growth_step * sites.growth.astype(np.float64),
         )
-        layer_of = np.searchsorted(self.times, sites.born)
-        born_at = np.where(sites.born == ALWAYS, 0.0, self.heights[layer_of % len(self.heights)])
+        born_at, newborn = np.zeros(len(sites.born)), np.nonzero(sites.born != ALWAYS)[0]
+        born_at[newborn] = self.heights[
+            np.searchsorted(self.times, sites.born[newborn]) % len(self.heights)
+        ]
         # Whole numbers as floats: exact (see `grid.py`).
         base, growth = sites.base.astype(np.float64), sites.growth.astype(np.float64)
         for array in (places, speed, born_at, made.vertices, made.edges, made.sites, made.tree):

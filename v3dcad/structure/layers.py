@@ -184,9 +184,11 @@ def run(  # type: ignore[no-untyped-def]
     graphs, areas = np.zeros(layers, np.int64), np.zeros(layers)
     vertex_rows, edge_rows = np.zeros(layers + 1, np.int64), np.zeros(layers + 1, np.int64)
     pair_rows, tree_rows = np.zeros(layers + 1, np.int64), np.zeros(layers + 1, np.int64)
-    some = 8 * mesh.count[POINTS] + 2 * len(rings.corners)
-    vertices, edges = np.empty((some, 2)), np.empty((some, 2), np.int64)
-    sites, branches = np.empty((some, 2), np.int64), np.empty((some, 2), np.int64)
+    # As much room as before, and a little more; else arrays grow as they fill.
+    some = layers * (cut.state[VERTICES] + 2 * cut.state[CROSSED] + 64) + 2 * len(rings.corners)
+    many = some + some // 2
+    vertices, edges = np.empty((some, 2)), np.empty((many, 2), np.int64)
+    sites, branches = np.empty((many, 2), np.int64), np.empty((some, 2), np.int64)
     next_on, seen, token = np.empty(64, np.int32), np.zeros(len(mesh.points), np.int32), 0
     crossings, at = np.empty((64, 4), np.int32), np.empty(64)
     before, at_before = np.empty((64, 4), np.int32), np.empty(64)
