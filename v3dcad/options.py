@@ -49,12 +49,14 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     default = cls.__dataclass_fields__[name].default
     kind = get_type_hints(cls)[name]
     names = [option(name) + ("/--no-" + option(name)[2:] if kind is bool else "")]
+    says = f"{known.help[:-1]} ({known.unit})." if known.unit else known.help
+    if "\n" not in str(default):
+        says += f" Default: {default}."
     shown = typer.Option(
         *names,
-        help=f"{known.help[:-1]} ({known.unit})." if known.unit else known.help,
+        help=says,
         metavar="|".join(known.choices) or known.metavar,
         parser=_number_or_word(known) if known.word else None,
-        show_default="its own" if "\n" in str(default) else str(default),
         rich_help_panel=(cls.__doc__ or "").split(".")[0],
     )
     annotation: Any = Annotated[Any if known.word else kind | None, shown]
