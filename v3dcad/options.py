@@ -55,7 +55,7 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     shown = typer.Option(
         *names,
         help=says,
-        metavar="|".join(known.choices) or known.metavar,
+        metavar="|".join(known.choices) or known.metavar or (known.word and f"NUMBER|{known.word}"),
         parser=_number_or_word(known) if known.word else None,
         rich_help_panel=(cls.__doc__ or "").split(".")[0],
     )
