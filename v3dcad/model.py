@@ -36,12 +36,13 @@ class Value:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for field in fields(self):  # type: ignore[arg-type]
-            content = getattr(self, field.name)
+        for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
+            content = getattr(self, name)
             if isinstance(content, np.ndarray):
-                object.__setattr__(self, field.name, _read_only(content))
+                if content.flags.writeable:
+                    object.__setattr__(self, name, _read_only(content))
             elif isinstance(content, tuple) and content and isinstance(content[0], np.ndarray):
-                object.__setattr__(self, field.name, tuple(map(_read_only, content)))
+                object.__setattr__(self, name, tuple(map(_read_only, content)))
 
 
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:

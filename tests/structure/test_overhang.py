@@ -108,3 +108,18 @@ def test_ninety_degrees_or_one_kind_of_site_set_no_limit() -> None:
     sites = np.array([[0.0, 0], [1, 0]])
     assert largest_offset(sites, np.array([True, False]), 0.2, 90) == np.inf
     assert largest_offset(sites, np.array([False, False]), 0.2, 45) == np.inf
+
+
+def test_struts_lean_as_their_axes_do() -> None:
+    """Per layer, the largest tilt is that of the axes (from the kinetic log) that pass it."""
+    sites = np.random.default_rng(5).uniform(-20, 20, (30, 2))
+    sections = [Section(0.2 * k, (SQUARE * 1.2,)) for k in range(20)]
+    filling = fill_sections(sections, sites, FillSettings(offset=0.3, max_overhang=90.0))
+    certificate = overhang(filling.layers, 0.8)
+    axes = filling.strut_axes
+    (low, high), tilts = axes.ends[:, :, 2].T, axes.tilts()
+    for layer in filling.layers:
+        passing = (low < layer.z - 1e-9) & (high > layer.z + 1e-9)
+        if layer.index in (0, len(sections) - 1) or not passing.any():
+            continue
+        assert certificate.strut_tilt[layer.index] == pytest.approx(tilts[passing].max(), abs=1e-3)

@@ -46,9 +46,12 @@ ALWAYS = -(1 << 62)
 ROUNDING = 4e-15
 """Bound of the relative error of the floating power test (some 20 operations)."""
 
-DUE, STRUTS, CHANGES, NOW, LAST = range(5)
-"""What `Motion.state` holds: heap and log length, number of topological changes, the whole time
-that the weights belong to, and the last time that will be asked for."""
+DUE, STRUTS, TOUCHED, NOW, LAST = range(5)
+"""What `Motion.state` holds: heap and log length, how many triangles have been touched, the whole
+time that the weights belong to, and the last time that will be asked for."""
+
+EVERYTHING = -1
+"""How many triangles have been touched when there is no telling which."""
 
 
 class Motion(NamedTuple):
@@ -72,6 +75,8 @@ class Motion(NamedTuple):
     """(s, 3) int32: log of ended triangles, smallest point first"""
     spans: Any
     """(s, 2) float64: when each began and ended"""
+    touched: Any
+    """(t,) int32: triangles that came, changed or went since somebody last emptied this list"""
     moment: Any
     """(1,) float64: the latest event"""
     state: Any
@@ -89,6 +94,7 @@ MOTION = TupleType(
         TRIANGLE_ROWS,
         TRIANGLE_ROWS,
         types.float64[:, ::1],
+        ROW,
         types.float64[::1],
         types.int64[::1],
     ],
@@ -247,10 +253,21 @@ def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
         motion.spans[row, 0], motion.spans[row, 1] = begun, moment
 
 
+@njit(types.void(MOTION, WORD), **INTERNAL)
+def _touch(motion, triangle):  # type: ignore[no-untyped-def]
+    touched, state = motion.touched, motion.state
+    if state[TOUCHED] == len(touched):
+        state[TOUCHED] = EVERYTHING
+    if state[TOUCHED] != EVERYTHING:
+        touched[state[TOUCHED]] = triangle
+        state[TOUCHED] += 1
+
+
 @njit(types.void(MESH, MOTION, WORD), **INTERNAL)
 def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
     """Date a new triangle and certify its edges; what was due about it no longer is."""
     motion.begun[triangle] = motion.moment[0]
+    _touch(motion, triangle)
     for i in range(3):
         motion.stamp[3 * triangle + i] += 1
     for i in range(3):
@@ -261,7 +278,7 @@ def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
 def certify_all(mesh, motion):  # type: ignore[no-untyped-def]
     """Begin with the triangulation as it stands: every triangle begins now."""
     motion.state[DUE] = 0
-    motion.state[CHANGES] += 1
+    motion.state[TOUCHED] = EVERYTHING
     triangles = mesh.triangles
     for triangle in range(mesh.count[TRIANGLES]):
         motion.begun[triangle] = motion.moment[0]
@@ -345,11 +362,12 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
             if kind >= FLIP_HIDE_SECOND:
                 _end_strut(mesh, motion, far)
         carry_out(mesh, triangle, i, kind, other, near, far)
-        for freed in range(max(mesh.count[FREE] - 2, 0), mesh.count[FREE]):
-            for k in range(3):
-                motion.stamp[3 * mesh.free[freed] + k] += 1
+        if kind != FLIP:
+            for freed in range(mesh.count[FREE] - 2, mesh.count[FREE]):
+                _touch(motion, mesh.free[freed])
+                for k in range(3):
+                    motion.stamp[3 * mesh.free[freed] + k] += 1
         flipped = True
-        state[CHANGES] += 1
         _begin_strut(mesh, motion, triangle)
         if kind == FLIP or kind > HIDE_THIRD:
             _begin_strut(mesh, motion, other)
@@ -365,7 +383,6 @@ def add_point(mesh, motion, triangle, point):  # type: ignore[no-untyped-def]
     """
     _end_strut(mesh, motion, triangle)
     second, third = split(mesh, triangle, point)
-    motion.state[CHANGES] += 1
     _begin_strut(mesh, motion, triangle)
     _begin_strut(mesh, motion, second)
     _begin_strut(mesh, motion, third)
@@ -387,6 +404,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
         due_edge=np.empty((3 * triangles, 2), np.int32),
         struts=np.empty((4 * points, 3), np.int32),
         spans=np.empty((4 * points, 2)),
+        touched=np.empty(triangles, np.int32),
         moment=np.array([float(now)]),
         state=np.array([0, 0, 0, now, last]),
     )
@@ -415,6 +433,7 @@ def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangu
         due_edge=_longer(motion.due_edge, 3 * triangles),
         struts=_longer(motion.struts, log),
         spans=_longer(motion.spans, log),
+        touched=_longer(motion.touched, triangles),
     )
     return mesh, motion
 

@@ -7,34 +7,22 @@ cell begins at v with no area and grows with the square of the weight gained sin
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numba import njit, types
+from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.grid import HEAVIEST, STEPS
+from v3dcad.geometry.cut import CUT, VERTICES
 from v3dcad.geometry.kinetics import ALWAYS, LAST, MOTION, NOW, add_point
-from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLES, locate
+from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, ROW, SENTINELS, locate
 
-FLOAT, SIDES = types.float64, types.int8[::1]
+FLOAT = types.float64
 
-
-@njit(FLOAT(POINT_ROWS, WORD, WORD, WORD), **INTERNAL)
-def orthocentre_power(points, a, b, c):  # type: ignore[no-untyped-def]
-    """The power of the orthocentre of a triangle, steps²: how large the hole between its sites is.
-
-    The smallest point comes first, so that the bits do not depend on history.
-    """
-    if b < a and b < c:
-        a, b, c = b, c, a
-    elif c < a and c < b:
-        a, b, c = c, a, b
-    x, y, weight = points[a, 0], points[a, 1], points[a, 2]
-    bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
-    of_b = float(bx * bx + by * by - points[b, 2] + weight)
-    of_c = float(cx * cx + cy * cy - points[c, 2] + weight)
-    double = 2.0 * (bx * cy - by * cx)
-    vx, vy = (cy * of_b - by * of_c) / double, (bx * of_c - cx * of_b) / double
-    return vx * vx + vy * vy - weight
+SHARE = 0.75
+"""Holes of this share of the largest are looked at first."""
 
 
 @njit(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
@@ -61,45 +49,67 @@ def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-unty
     return dx * dx + dy * dy >= apart * apart
 
 
-@njit(types.void(MESH, WORD, ROW, ROW), **INTERNAL)
-def _list_by_place(mesh, side, first, listed):  # type: ignore[no-untyped-def]
-    """List live points by squares of a `side` × `side` grid: first (side² + 1,), listed (p,)."""
-    points, live = mesh.points, mesh.triangle_of
-    for square in range(len(first)):
-        first[square] = 0
-    for writing in range(2):
-        for point in range(SENTINELS, mesh.count[POINTS]):
-            if live[point] != NOTHING:
-                row, column = points[point, 1] * side, points[point, 0] * side
-                square = min(row // STEPS, side - 1) * side + min(column // STEPS, side - 1)
-                if writing:
-                    first[square] -= 1
-                    listed[first[square]] = point
-                else:
-                    first[square] += 1
-        if not writing:
-            for square in range(1, len(first)):
-                first[square] += first[square - 1]
+class Squares(NamedTuple):
+    """Points by squares of a grid over the frame, to look for near ones."""
+
+    first: Any
+    """(side²,) int32: the point listed last in each square, or −1"""
+    following: Any
+    """(p,) int32: the point listed before each in its square, or −1"""
+    state: Any
+    """(2,) int64: how many points are listed, and the fastest one's growth"""
+
+
+SQUARES = TupleType([ROW, ROW, types.int64[::1]], Squares)
+LISTED, FASTEST = range(2)
+
+
+def no_squares(points: int) -> Squares:
+    """An empty grid for up to so many points."""
+    side = int(np.sqrt(points / 4)) + 1
+    return Squares(
+        np.full(side * side, -1, np.int32), np.empty(points, np.int32), np.array([SENTINELS, 0])
+    )
+
+
+@njit(types.void(MESH, types.int64[::1], SQUARES), **INTERNAL)
+def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
+    """List the points that are not listed yet."""
+    points, first, following = mesh.points, squares.first, squares.following
+    side = int(np.sqrt(len(first)))
+    for point in range(squares.state[LISTED], mesh.count[POINTS]):
+        row, column = points[point, 1] * side // STEPS, points[point, 0] * side // STEPS
+        square = min(row, side - 1) * side + min(column, side - 1)
+        following[point] = first[square]
+        first[square] = point
+        squares.state[FASTEST] = max(squares.state[FASTEST], growth[point])
+    squares.state[LISTED] = mesh.count[POINTS]
 
 
 @njit(
-    types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 3, FLOAT, FLOAT, WORD, ROW, ROW),
+    types.boolean(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
     **INTERNAL,
 )
-def keeps_distance(  # type: ignore[no-untyped-def]
-    points, growth, x, y, grows, reach, farthest, side, first, listed
-):
-    """Whether a site at (x, y) is apart from every listed point; none is asked for more than
-    `farthest` grid steps.
+def keeps_distance(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
+    """Whether a site at (x, y) is apart from every listed point that is not hidden, and from all
+    points from `before` on.
     """
+    points, live, first = mesh.points, mesh.triangle_of, squares.first
+    side, farthest = int(np.sqrt(len(first))), (squares.state[FASTEST] + 1) * reach
     west, east = int((x - farthest) * side / STEPS), int((x + farthest) * side / STEPS)
     south, north = int((y - farthest) * side / STEPS), int((y + farthest) * side / STEPS)
     for row in range(max(south, 0), min(north, side - 1) + 1):
         for column in range(max(west, 0), min(east, side - 1) + 1):
-            square = row * side + column
-            for place in range(first[square], first[square + 1]):
-                if not is_apart(points, growth, listed[place], x, y, grows, reach):
+            point = first[row * side + column]
+            while point >= 0:
+                if live[point] != NOTHING and not is_apart(
+                    points, growth, point, x, y, grows, reach
+                ):
                     return False
+                point = squares.following[point]
+    for point in range(before, mesh.count[POINTS]):
+        if not is_apart(points, growth, point, x, y, grows, reach):
+            return False
     return True
 
 
@@ -148,10 +158,17 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@njit(types.boolean(WORD, WORD, WORD, FLOAT), **INLINED)
-def ripe(born, growth, now, gain):  # type: ignore[no-untyped-def]
-    """Whether a point is no newborn, or has gained so much weight since its birth, steps²."""
-    return born == ALWAYS or growth * (now - born) >= gain
+@njit(
+    types.boolean(types.int64[::1], types.int64[::1], types.int32[:, ::1], WORD, WORD, FLOAT),
+    **INLINED,
+)
+def ripe_around(births, growth, corners, vertex, now, gain):  # type: ignore[no-untyped-def]
+    """Whether none of a vertex's cells is a newborn that has not yet gained so much, steps²."""
+    for k in range(1, 4):
+        point = corners[vertex, k]
+        if births[point] != ALWAYS and growth[point] * (now - births[point]) < gain:
+            return False
+    return True
 
 
 @njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
@@ -164,75 +181,63 @@ def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     return x, y, fastest + equal
 
 
-@njit(WORD(MESH, MOTION, SIDES, WORD, FLOAT, FLOAT), **INTERNAL)
-def give_births(mesh, motion, inside, wanted, reach, gain):  # type: ignore[no-untyped-def]
+@njit(WORD(MESH, MOTION, CUT, SQUARES, WORD, FLOAT, FLOAT), **INTERNAL)
+def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
-    Each is at the centroid of a triangle whose vertex lies `inside` (t,) the section. It grows
+    Each is at the centroid of a triangle whose vertex lies inside the section. It grows
     as fast as the fastest of the three, one step faster where they are equal, and keeps its
     distance: `reach` grid steps per step of growth. A newborn is no parent before it has gained the
     weight `gain`, steps²: around its tiny cell the hole still looks as large as before.
     There must be room for them in points and log.
     """
-    points, triangles = mesh.points, mesh.triangles
-    growth, births = motion.growth, motion.born
-    time, total = motion.state[NOW], mesh.count[TRIANGLES]
-    holes, places = np.empty(total), np.empty(total, np.int32)
-    side = int(np.sqrt(mesh.count[POINTS] / 4)) + 1
-    first, listed = np.empty(side * side + 1, np.int32), np.empty(mesh.count[POINTS], np.int32)
-    _list_by_place(mesh, side, first, listed)
-    length, born, before, fastest = 0, 0, mesh.count[POINTS], 0
-    for point in range(SENTINELS, before):
-        fastest = max(fastest, growth[point])
-    farthest = (fastest + 1) * reach
-    for triangle in range(total):
-        if inside[triangle] != 1 or triangles[triangle, 0] == NOTHING:
-            continue
-        a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        if (
-            ripe(births[a], growth[a], time, gain)
-            and ripe(births[b], growth[b], time, gain)
-            and ripe(births[c], growth[c], time, gain)
-        ):
-            x, y, grows = newborn_at(points, growth, a, b, c)
-            if (
-                is_apart(points, growth, a, x, y, grows, reach)
-                and is_apart(points, growth, b, x, y, grows, reach)
-                and is_apart(points, growth, c, x, y, grows, reach)
-                and keeps_distance(
-                    points, growth, x, y, grows, reach, farthest, side, first, listed
-                )
+    points, triangles, corners, power = mesh.points, mesh.triangles, cut.corners, cut.holes
+    growth, births, time = motion.growth, motion.born, motion.state[NOW]
+    total, before, born = cut.state[VERTICES], mesh.count[POINTS], 0
+    _list_points(mesh, growth, squares)
+    holes, largest, now = np.empty(total), 0.0, float(time)
+    heap, places = np.empty(total), np.empty(total, np.int32)
+    for vertex in range(total):
+        holes[vertex] = power[vertex, 0] + now * (power[vertex, 1] + now * power[vertex, 2])
+    for vertex in range(total):
+        if holes[vertex] > largest and ripe_around(births, growth, corners, vertex, time, gain):
+            largest = holes[vertex]
+    # Mostly the largest holes will do; all others are looked at where they do not.
+    for above, up_to in ((SHARE * largest, np.inf), (-np.inf, SHARE * largest)):
+        if born == wanted:
+            break
+        length = 0
+        for vertex in range(total):
+            if above < holes[vertex] <= up_to and ripe_around(
+                births, growth, corners, vertex, time, gain
             ):
-                holes[length], places[length] = orthocentre_power(points, a, b, c), triangle
+                heap[length], places[length] = holes[vertex], corners[vertex, 0]
                 length += 1
-    for at in range(length // 2 - 1, -1, -1):
-        _sink(holes, places, at, length)
-    while born < wanted and length > 0:
-        triangle = places[0]
-        length -= 1
-        holes[0], places[0] = holes[length], places[length]
-        _sink(holes, places, 0, length)
-        a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        if max(a, b, c) >= before:  # a newborn has just been put here
-            continue
-        q = mesh.count[POINTS]
-        x, y, grows = newborn_at(points, growth, a, b, c)
-        if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
-            continue
-        alone = True
-        for other in range(before, q):
-            alone = alone and is_apart(points, growth, other, x, y, grows, reach)
-        points[q, 0], points[q, 1] = x, y
-        guess = empty_until(points, q, a, b, c)
-        if not alone or abs(guess) > HEAVIEST:
-            continue
-        if not weigh_newborn(mesh, q, a, b, c, int(guess)):
-            continue
-        growth[q], motion.base[q] = grows, points[q, 2] - grows * time
-        if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:
-            continue
-        motion.born[q] = time
-        mesh.count[POINTS] += 1
-        add_point(mesh, motion, triangle, q)
-        born += 1
+        for at in range(length // 2 - 1, -1, -1):
+            _sink(heap, places, at, length)
+        while born < wanted and length > 0:
+            triangle = places[0]
+            length -= 1
+            heap[0], places[0] = heap[length], places[length]
+            _sink(heap, places, 0, length)
+            a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+            if max(a, b, c) >= before:  # a newborn has just been put here
+                continue
+            q = mesh.count[POINTS]
+            x, y, grows = newborn_at(points, growth, a, b, c)
+            if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
+                continue
+            if not keeps_distance(mesh, growth, squares, before, x, y, grows, reach):
+                continue
+            points[q, 0], points[q, 1] = x, y
+            guess = empty_until(points, q, a, b, c)
+            if abs(guess) > HEAVIEST or not weigh_newborn(mesh, q, a, b, c, int(guess)):
+                continue
+            growth[q], motion.base[q] = grows, points[q, 2] - grows * time
+            if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:
+                continue
+            motion.born[q] = time
+            mesh.count[POINTS] += 1
+            add_point(mesh, motion, triangle, q)
+            born += 1
     return born

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.cut import cut_with_room, empty_cut
 from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.tree import empty_tree
+from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.structure.births import no_squares
 from v3dcad.structure.layers import (
     LAYERS,
     NEEDS_ROOM,
@@ -82,11 +83,14 @@ class Course:
         self.heights = heights
         self.times = times_of(heights, growth_step, grid)
         self._curve = sites.site_of
+        self._rank = np.argsort(sites.site_of)
         first, last = int(self.times[0]), int(self.times[-1])
         self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
         self.motion = motion_of(self.mesh, growth, first, last)
-        self._tree = empty_tree(0, 0)
+        room, slots = len(self.mesh.points), len(self.mesh.triangles)
+        self._cut, self._tree = empty_cut(room, slots), empty_tree(room)
+        self._squares = no_squares(room)
         self.motion.born[SENTINELS:] = sites.born
 
     def sites(self) -> Timed:
@@ -159,22 +163,23 @@ class Course:
         return self.grid.millimetres(places[a] + shift)
 
     def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
-        room, count = len(self.mesh.points), int(self.mesh.count[POINTS])
+        room = len(self.mesh.points)
         site_of = np.arange(room) - SENTINELS
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
-        places = np.empty((room, 2), np.int64)
-        places[site_of[SENTINELS:count]] = self.mesh.points[SENTINELS:count, :2]
-        if len(self._tree.first) != 3 * len(self.mesh.triangles):
-            self._tree = empty_tree(room, 3 * len(self.mesh.triangles))
+        if len(self._cut.inside) != len(self.mesh.triangles):
+            slots = len(self.mesh.triangles)
+            self._cut = cut_with_room(self._cut, room, slots)
+            self._tree, self._squares = tree_with_room(self._tree, room), no_squares(room)
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
         reach = self.growth_step / (2 * self.slope) / self.grid.pitch
         made: Run = run(
             self.mesh,
             self.motion,
+            self._cut,
             self._tree,
+            self._squares,
             site_of,
-            places,
             rings,
             times,
             float(left),
@@ -187,30 +192,43 @@ class Course:
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""
-        grid, sites = self.grid, self.sites().by_site()
+        grid, sites = self.grid, self.sites()
+        sites = sites.rows(
+            np.concatenate([self._rank, np.arange(len(self._rank), len(sites.site_of))])
+        )
         places, speed = (
             grid.millimetres(sites.places),
             self.growth_step * sites.growth.astype(np.float64),
         )
-        layer_of = np.searchsorted(self.times, sites.born)
-        born_at = np.where(sites.born == ALWAYS, 0.0, self.heights[layer_of % len(self.heights)])
-        base, growth = sites.base, sites.growth
-        vertices, graph = made.vertices, -1
+        born_at, newborn = np.zeros(len(sites.born)), np.nonzero(sites.born != ALWAYS)[0]
+        born_at[newborn] = self.heights[
+            np.searchsorted(self.times, sites.born[newborn]) % len(self.heights)
+        ]
+        # Whole numbers as floats: exact (see `grid.py`).
+        base, growth = sites.base.astype(np.float64), sites.growth.astype(np.float64)
+        for array in (places, speed, born_at, made.vertices, made.edges, made.sites, made.tree):
+            array.flags.writeable = False  # so that the values need no views of their own
+        edge_rows, pair_rows, tree_rows = (
+            rows.tolist() for rows in (made.edge_rows, made.pair_rows, made.tree_rows)
+        )
+        graph = -1
         for layer in range(int(made.outcome[LAYERS])):
             if made.graphs[layer] != graph:
                 graph = int(made.graphs[layer])
-                edges = _piece(made.edges, made.edge_rows, graph)
-                edge_sites = _piece(made.sites, made.edge_rows, graph)
-                neighbours = _piece(made.neighbours, made.neighbour_rows, graph)
-                tree = _piece(made.tree, made.tree_rows, graph)
+                row, end = edge_rows[graph], edge_rows[graph + 1]
+                edges, edge_sites = made.edges[row:end], made.sites[row:end]
+                neighbours = made.sites[row : pair_rows[graph]]
+                tree = made.tree[tree_rows[graph] : tree_rows[graph + 1]]
             count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
-            time = self.times[index + layer]
-            weights = (base[:count] + growth[:count] * time) * grid.pitch**2
+            weights = growth[:count] * float(self.times[index + layer])
+            weights += base[:count]
+            weights *= grid.pitch**2
+            vertices = made.vertices[made.vertex_rows[layer] : made.vertex_rows[layer + 1]]
             yield Layer(
                 index + layer,
                 sections[layer],
                 SiteState(places[:count], weights, speed[:count], born_at[:count]),
-                Diagram(_piece(vertices, made.vertex_rows, layer), edges, edge_sites, neighbours),
+                Diagram(vertices, edges, edge_sites, neighbours),
                 tree,
                 float(made.areas[layer]) / max(cells, 1),
             )
@@ -232,10 +250,6 @@ def rings_of(sections: Sequence[Section]) -> Rings:
 
 def _rest(rings: Rings, layers: int) -> Rings:
     return rings._replace(layers=rings.layers[layers:])
-
-
-def _piece(rows: Any, starts: Ints, part: int) -> Any:
-    return rows[starts[part] : starts[part + 1]]
 
 
 def _refuse_crossings(rings: Rings, index: int) -> None:

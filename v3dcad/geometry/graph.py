@@ -1,0 +1,140 @@
+"""The cut diagram as a planar graph in arrays: vertices, edges, and who lies beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, types
+
+from v3dcad.geometry.cut import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.exact import INTERNAL, WORD
+from v3dcad.geometry.triangulation import ACROSS, MESH
+from v3dcad.geometry.walk import (
+    FLOAT,
+    FLOAT_ROWS,
+    FLOATS,
+    INT_ROWS,
+    INTO,
+    INTS,
+    ROW,
+    ROWS,
+    SEGMENT,
+    WINDING,
+)
+
+
+@njit(
+    types.UniTuple(WORD, 2)(
+        MESH, CUT, INTS, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS, WORD, ROW, INT_ROWS, INT_ROWS, WORD
+    ),
+    **INTERNAL,
+)
+def write_edges(  # type: ignore[no-untyped-def]
+    mesh, cut, site_of, corners, starts, after, begun_in, crossings, at, count, next_on,
+    edges, sites, row,
+):  # fmt: skip
+    """Write all edges into `edges` and `sites` from `row` on: whole ones, the first pieces of
+    crossed ones, their further pieces, the rings. Returns where the first pieces and where the
+    edges end: up to there each pair of neighbours comes once.
+
+    Vertices are numbered: inner ones, then the rings' corners, then the crossings. Takes the
+    crossings' winding away.
+    """
+    points, triangles, inside = mesh.points, mesh.triangles, cut.inside
+    vertex_of, first_on, inner = cut.vertex_of, cut.first_on, cut.state[VERTICES]
+    whole, whole_sites, crossing_base = cut.edges, cut.sites, inner + len(corners)
+    for edge in range(cut.state[WHOLE]):
+        for k in range(2):
+            edges[row + edge, k], sites[row + edge, k] = whole[edge, k], whole_sites[edge, k]
+    row += cut.state[WHOLE]
+    length = row + cut.state[CROSSED]
+    for place in range(cut.state[CROSSED]):
+        key = cut.crossed[place]
+        triangle, i = key // 3, key % 3
+        other, winding = triangles[triangle, ACROSS + i], inside[triangle]
+        right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
+        low, high, backwards = site_of[right], site_of[left], 0
+        if low > high:
+            low, high, backwards = high, low, 1
+        # The crossings in their order from this triangle to the other: they alternate.
+        way_x = float(points[left, 1] - points[right, 1])
+        way_y = float(points[right, 0] - points[left, 0])
+        begin, to = vertex_of[triangle], row
+        row += 1
+        while True:
+            best, soonest, crossing = -1, np.inf, first_on[key]
+            while crossing >= 0:
+                if crossings[crossing, WINDING] == (-1 if winding == 1 else 1):
+                    p = crossings[crossing, SEGMENT]
+                    q = after[p]
+                    x = corners[p, 0] + at[crossing] * (corners[q, 0] - corners[p, 0])
+                    y = corners[p, 1] + at[crossing] * (corners[q, 1] - corners[p, 1])
+                    if x * way_x + y * way_y < soonest:
+                        best, soonest = crossing, x * way_x + y * way_y
+                crossing = next_on[crossing]
+            if best < 0 and winding == 0:
+                break
+            end = vertex_of[other]
+            if best >= 0:
+                crossings[best, WINDING], end = 0, crossing_base + best  # taken
+            if winding == 1:
+                edges[to, backwards], edges[to, 1 - backwards] = begin, end
+                sites[to, 0], sites[to, 1] = low, high
+                length += to == length
+                to = length
+            begin, winding = end, 1 - winding
+            if best < 0:
+                break
+    crossing = 0
+    for ring in range(len(starts) - 1):
+        cell = begun_in[ring]
+        for segment in range(starts[ring], starts[ring + 1]):
+            begin = inner + segment
+            while crossing < count and crossings[crossing, SEGMENT] == segment:
+                edges[length, 0], edges[length, 1] = begin, crossing_base + crossing
+                sites[length, 0], sites[length, 1] = -1, site_of[cell]
+                length += 1
+                begin, cell = crossing_base + crossing, crossings[crossing, INTO]
+                crossing += 1
+            edges[length, 0], edges[length, 1] = begin, inner + after[segment]
+            sites[length, 0], sites[length, 1] = -1, site_of[cell]
+            length += 1
+    return row, length
+
+
+@njit(
+    WORD(
+        FLOAT_ROWS,
+        WORD,
+        FLOAT,
+        FLOAT_ROWS,
+        INTS,
+        ROWS,
+        FLOATS,
+        WORD,
+        *[FLOAT] * 3,
+        FLOAT_ROWS,
+        WORD,
+    ),
+    **INTERNAL,
+)
+def place_vertices(  # type: ignore[no-untyped-def]
+    struts, inner, time, corners, after, crossings, at, count, left, low, pitch, vertices, row
+):
+    """Write the vertices' coordinates, mm, into `vertices` from `row` on; returns the row after.
+
+    The rings' corners (r, 2) are in mm; (`left`, `low`), mm, and `pitch` say where the grid lies.
+    """
+    for vertex in range(inner):
+        vertices[row, 0] = left + pitch * (struts[vertex, 0] + time * struts[vertex, 2])
+        vertices[row, 1] = low + pitch * (struts[vertex, 1] + time * struts[vertex, 3])
+        row += 1
+    for corner in range(len(corners)):
+        vertices[row, 0], vertices[row, 1] = corners[corner, 0], corners[corner, 1]
+        row += 1
+    for crossing in range(count):
+        p = crossings[crossing, SEGMENT]
+        q = after[p]
+        for k in range(2):
+            vertices[row, k] = corners[p, k] + at[crossing] * (corners[q, k] - corners[p, k])
+        row += 1
+    return row
