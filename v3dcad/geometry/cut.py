@@ -68,11 +68,9 @@ class Cut(NamedTuple):
     """(5,) int64"""
 
 
-CUT = TupleType(
-    [SIDES, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS, INT_ROWS, INT_ROWS, ROWS]
-    + [ROW, ROW, types.int8[:, ::1], ROW, INTS, INTS, ROW, ROW, INTS],
-    Cut,
-)
+_VERTICES = [SIDES, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
+_EDGES = [INT_ROWS, INT_ROWS, ROWS, ROW, ROW, types.int8[:, ::1], ROW, INTS, INTS, ROW]
+CUT = TupleType([*_VERTICES, *_EDGES, ROW, INTS], Cut)
 
 
 def empty_cut(points: int, triangles: int) -> Cut:
@@ -310,15 +308,13 @@ def _chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignor
     return length
 
 
-@njit(
-    types.boolean(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL
-)
+@njit(types.boolean(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
 def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  # type: ignore[no-untyped-def]
     """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
     cross now or crossed before. Returns False where rings overlap or run the wrong way round.
     """
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
-    first_on, crossed, state = cut.first_on, cut.crossed, motion.state
+    crossed, state = cut.crossed, motion.state
     total, past = mesh.count[TRIANGLES], 0
     listed, length = np.empty(2 * total, np.int32), 0
     everything = state[TOUCHED] == EVERYTHING

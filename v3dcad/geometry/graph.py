@@ -24,7 +24,20 @@ from v3dcad.geometry.walk import (
 
 @njit(
     types.UniTuple(WORD, 2)(
-        MESH, CUT, INTS, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS, WORD, ROW, INT_ROWS, INT_ROWS, WORD
+        MESH,
+        CUT,
+        INTS,
+        FLOAT_ROWS,
+        INTS,
+        INTS,
+        ROW,
+        ROWS,
+        FLOATS,
+        WORD,
+        ROW,
+        INT_ROWS,
+        INT_ROWS,
+        WORD,
     ),
     **INTERNAL,
 )

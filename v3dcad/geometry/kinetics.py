@@ -440,9 +440,3 @@ def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangu
 
 def _longer(array: Any, by: int) -> Any:
     return np.concatenate([array, np.zeros((by, *array.shape[1:]), array.dtype)])
-
-
-def logged_struts(motion: Motion) -> tuple[Ints, Floats]:
-    """The struts logged so far: points (s, 3) and time spans (s, 2)."""
-    count = motion.state[STRUTS]
-    return motion.struts[:count], motion.spans[:count]

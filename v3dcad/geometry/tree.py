@@ -121,7 +121,8 @@ def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
     piece, tree = np.empty(len(points), np.int32), np.empty((count, 2), np.int64)
     for point in range(len(points)):
         piece[point] = point
-    for edge in order:
+    for place in range(count):
+        edge = order[place]
         a, b = _root(piece, pairs[edge, 0]), _root(piece, pairs[edge, 1])
         if a != b:
             piece[a] = b
@@ -136,9 +137,8 @@ def _key_of(triangles, pair_at, triangle, i):  # type: ignore[no-untyped-def]
     other = triangles[triangle, ACROSS + i]
     if other == NOTHING:
         return -1
-    if other > triangle:
-        key = 3 * triangle + i
-    else:
+    key = 3 * triangle + i
+    if other < triangle:
         key = 3 * other + edge_to(triangles, other, triangle)
     return key if pair_at[key] != 0 else -1
 
@@ -207,9 +207,7 @@ def _reattach(mesh, cut, tree, site_of, root):  # type: ignore[no-untyped-def]
                             mark[other] = token
                             piece[count] = other
                             count += 1
-                    elif inner == NOTHING or _shorter(
-                        points, site_of, point, other, inner, outer
-                    ):
+                    elif inner == NOTHING or _shorter(points, site_of, point, other, inner, outer):
                         key = _key_of(triangles, pair_at, triangle, (k + 2) % 3)
                         if key >= 0 and (before[key] < 0 or before[key] == pair_at[key]):
                             inner, outer = point, other
@@ -289,11 +287,11 @@ def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
         for place in range(count):
             pair = before[changed[place]]
             a, b = pair >> 32, pair & MASK
-            if pair > 0 and pair != pair_at[changed[place]]:
-                if (above[a] == b or above[b] == a) and not _are_joined(mesh, pair_at, a, b):
-                    torn[some] = a if above[a] == b else b
-                    above[torn[some]] = NOTHING
-                    some += 1
+            lost = pair > 0 and pair != pair_at[changed[place]] and (above[a] == b or above[b] == a)
+            if lost and not _are_joined(mesh, pair_at, a, b):
+                torn[some] = a if above[a] == b else b
+                above[torn[some]] = NOTHING
+                some += 1
         for place in range(some):
             if above[torn[place]] == NOTHING:
                 _reattach(mesh, cut, tree, site_of, torn[place])

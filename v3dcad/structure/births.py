@@ -13,15 +13,15 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
+from v3dcad.geometry.cut import CUT, VERTICES
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.grid import HEAVIEST, STEPS
-from v3dcad.geometry.cut import CUT, VERTICES
 from v3dcad.geometry.kinetics import ALWAYS, LAST, MOTION, NOW, add_point
 from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, ROW, SENTINELS, locate
 
 FLOAT = types.float64
 
-SHARE = 0.75
+SHARE = 0.9
 """Holes of this share of the largest are looked at first."""
 
 
@@ -200,8 +200,11 @@ def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignor
     for vertex in range(total):
         holes[vertex] = power[vertex, 0] + now * (power[vertex, 1] + now * power[vertex, 2])
     for vertex in range(total):
-        if holes[vertex] > largest and ripe_around(births, growth, corners, vertex, time, gain):
-            largest = holes[vertex]
+        if holes[vertex] > largest:
+            if ripe_around(births, growth, corners, vertex, time, gain):
+                largest = holes[vertex]
+            else:
+                holes[vertex] = -np.inf
     # Mostly the largest holes will do; all others are looked at where they do not.
     for above, up_to in ((SHARE * largest, np.inf), (-np.inf, SHARE * largest)):
         if born == wanted:

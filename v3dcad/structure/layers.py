@@ -175,8 +175,9 @@ def run(  # type: ignore[no-untyped-def]
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
     `cut` and `tree` are those of the layer before. `site_of` (p,) gives each point's site;
-    (`left`, `low`), mm, and `pitch` say where the grid lies. Births are given where the area per cell is above `full_cell`, mm² (infinite: none), at a
-    distance of `reach` grid steps per step of growth.
+    (`left`, `low`), mm, and `pitch` say where the grid lies. Births are given where the area per
+    cell is above `full_cell`, mm² (infinite: none), at a distance of `reach` grid steps per step
+    of growth.
     """
     layers = len(times)
     outcome = np.zeros(3, np.int64)
@@ -247,9 +248,7 @@ def run(  # type: ignore[no-untyped-def]
             ):
                 outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
                 break
-            born = give_births(
-                mesh, motion, cut, squares, wanted, reach, full_cell / pitch / pitch
-            )
+            born = give_births(mesh, motion, cut, squares, wanted, reach, full_cell / pitch / pitch)
             if born == 0:
                 break
             if not advance(mesh, motion, times[layer]):
