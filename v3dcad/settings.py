@@ -131,7 +131,7 @@ class FillSettings(SectionSettings):
         most=90,
     )
     sites: int = setting(
-        40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=10_000_000
+        40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=200_000
     )
     random_seed: int = setting(0, "Seed of the scatter.", least=0, most=2**63 - 1)
     insertion: bool = setting(True, "New cells are born where cells have become too large.")
