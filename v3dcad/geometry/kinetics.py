@@ -39,7 +39,7 @@ from v3dcad.geometry.triangulation import (
     plan,
     split,
 )
-from v3dcad.model import Floats, Ints
+from v3dcad.model import Ints
 
 NEVER = np.inf
 ALWAYS = -(1 << 62)
