@@ -10,7 +10,7 @@ import numpy as np
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.cut import cut_with_room, empty_cut
 from v3dcad.geometry.grid import Grid
-from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
+from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_log, with_room
 from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
@@ -139,7 +139,7 @@ class Course:
             times = np.full(spans.shape, float(self.times[0]))
         else:
             if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
-                self.mesh, self.motion = with_room(self.mesh, self.motion, triangles)
+                self.motion = with_log(self.motion, triangles)
             end_all(self.mesh, self.motion)
             count = int(self.motion.state[STRUTS])
             corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
