@@ -413,7 +413,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
 
 
 def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangulation, Motion]:
-    """The same with room for `points` more points, and at least twice the log."""
+    """The same with room for `points` more points, and the log that goes with them."""
     triangles = 2 * points
     mesh = mesh._replace(
         points=_longer(mesh.points, points),
@@ -422,7 +422,7 @@ def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangu
         free=_longer(mesh.free, triangles),
         stack=_longer(mesh.stack, triangles),
     )
-    motion = with_log(motion, len(motion.struts) + 4 * points)._replace(
+    motion = with_log(motion, 8 * points)._replace(
         base=_longer(motion.base, points),
         growth=_longer(motion.growth, points),
         born=_longer(motion.born, points),

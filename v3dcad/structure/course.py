@@ -120,9 +120,7 @@ class Course:
             made = self._run_once(_rest(rings, done), index + done, full_cell)
             fault = int(made.outcome[STATUS])
             if fault == NEEDS_ROOM:
-                self.mesh, self.motion = with_room(
-                    self.mesh, self.motion, int(made.outcome[ROOM]) + len(self._curve) // 4 + 1
-                )
+                self._make_room(int(made.outcome[ROOM]))
             yield from self._layers(made, sections[done:], index + done)
             done += int(made.outcome[LAYERS])
             if fault in FAULTS:
@@ -161,6 +159,15 @@ class Course:
         double = 2.0 * (bx * cy - by * cx)
         shift = np.column_stack([cy * of_b - by * of_c, bx * of_c - cx * of_b]) / double[:, None]
         return self.grid.millimetres(places[a] + shift)
+
+    def _make_room(self, births: int) -> None:
+        """Make room for more births, or else for more struts."""
+        if int(self.mesh.count[POINTS]) + births > len(self.mesh.points):
+            some = births + len(self._curve) // 4 + 1
+            self.mesh, self.motion = with_room(self.mesh, self.motion, some)
+        else:
+            some = len(self.motion.spans) + 8 * births + 64
+            self.motion = with_log(self.motion, some)
 
     def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
         room = len(self.mesh.points)
