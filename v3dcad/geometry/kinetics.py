@@ -413,7 +413,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
 
 
 def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangulation, Motion]:
-    """The same with room for `points` more points, and at least twice the log."""
+    """The same with room for `points` more points, and the log that goes with them."""
     triangles = 2 * points
     mesh = mesh._replace(
         points=_longer(mesh.points, points),
@@ -422,8 +422,7 @@ def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangu
         free=_longer(mesh.free, triangles),
         stack=_longer(mesh.stack, triangles),
     )
-    log = len(motion.struts) + 4 * points
-    motion = motion._replace(
+    motion = with_log(motion, 8 * points)._replace(
         base=_longer(motion.base, points),
         growth=_longer(motion.growth, points),
         born=_longer(motion.born, points),
@@ -431,11 +430,14 @@ def with_room(mesh: Triangulation, motion: Motion, points: int) -> tuple[Triangu
         stamp=_longer(motion.stamp, 3 * triangles),
         due=_longer(motion.due, 3 * triangles),
         due_edge=_longer(motion.due_edge, 3 * triangles),
-        struts=_longer(motion.struts, log),
-        spans=_longer(motion.spans, log),
         touched=_longer(motion.touched, triangles),
     )
     return mesh, motion
+
+
+def with_log(motion: Motion, rows: int) -> Motion:
+    """The same with room for so many more struts."""
+    return motion._replace(struts=_longer(motion.struts, rows), spans=_longer(motion.spans, rows))
 
 
 def _longer(array: Any, by: int) -> Any:

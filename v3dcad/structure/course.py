@@ -10,7 +10,7 @@ import numpy as np
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.cut import cut_with_room, empty_cut
 from v3dcad.geometry.grid import Grid
-from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_room
+from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_log, with_room
 from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
@@ -120,9 +120,7 @@ class Course:
             made = self._run_once(_rest(rings, done), index + done, full_cell)
             fault = int(made.outcome[STATUS])
             if fault == NEEDS_ROOM:
-                self.mesh, self.motion = with_room(
-                    self.mesh, self.motion, int(made.outcome[ROOM]) + len(self._curve) // 4 + 1
-                )
+                self._make_room(int(made.outcome[ROOM]))
             yield from self._layers(made, sections[done:], index + done)
             done += int(made.outcome[LAYERS])
             if fault in FAULTS:
@@ -139,7 +137,7 @@ class Course:
             times = np.full(spans.shape, float(self.times[0]))
         else:
             if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
-                self.mesh, self.motion = with_room(self.mesh, self.motion, triangles)
+                self.motion = with_log(self.motion, triangles)
             end_all(self.mesh, self.motion)
             count = int(self.motion.state[STRUTS])
             corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
@@ -161,6 +159,15 @@ class Course:
         double = 2.0 * (bx * cy - by * cx)
         shift = np.column_stack([cy * of_b - by * of_c, bx * of_c - cx * of_b]) / double[:, None]
         return self.grid.millimetres(places[a] + shift)
+
+    def _make_room(self, births: int) -> None:
+        """Make room for more births, or else for more struts."""
+        if int(self.mesh.count[POINTS]) + births > len(self.mesh.points):
+            some = births + len(self._curve) // 4 + 1
+            self.mesh, self.motion = with_room(self.mesh, self.motion, some)
+        else:
+            some = len(self.motion.spans) + 8 * births + 64
+            self.motion = with_log(self.motion, some)
 
     def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
         room = len(self.mesh.points)
