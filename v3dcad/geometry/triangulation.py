@@ -332,3 +332,11 @@ def irregular_edges(mesh):  # type: ignore[no-untyped-def]
                 b, c = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
                 irregular += conflicts(mesh.points, triangles[triangle, i], b, c, d)
     return irregular
+
+
+def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
+    """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
+    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
+    return np.sort(order[ends], axis=1)

@@ -8,13 +8,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
 from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.geometry.tree import spanning_tree
-from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, Triangulation, triangulation
+from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, Timed, times_of
@@ -148,7 +147,8 @@ class Filling:
         """the base rectangle: corners (4, 2), mm, of the box around all sections and sites"""
         order = curve_order(places)
         still = np.zeros(len(places), np.int64)
-        grows = _growing(places, triangulation(places[order], still), order)
+        pairs = neighbour_pairs(triangulation(places[order], still), order)
+        grows = growing(len(places), spanning_tree(places, pairs))
         offset = settled_offset(settings, grid.millimetres(places), grows)
         self.settings = replace(settings, offset=offset)
         """the settings, with the offset that "auto" stands for"""
@@ -250,12 +250,3 @@ class Filling:
                 full_cell = layer.area_per_cell or rectangle / len(self._start.places)
             index += some
         self._history = History(course.sites(), course.tracks())
-
-
-def _growing(places: Ints, mesh: Triangulation, order: Ints) -> NDArray[np.bool_]:
-    """Which sites grow, by the spanning tree of all neighbours in the whole plane."""
-    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
-    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
-    pairs = np.sort(order[ends], axis=1)
-    return growing(len(places), spanning_tree(places, pairs))

@@ -15,7 +15,7 @@ import shapely
 
 from v3dcad.geometry.grid import Grid, curve_order
 from v3dcad.geometry.support import distance_to_walls
-from v3dcad.geometry.triangulation import SENTINELS, TRIANGLES, triangulation
+from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
 
 SLACK = 0.01
@@ -64,10 +64,7 @@ def all_neighbours(state: SiteState) -> Ints:
     places = grid.snap(state.sites)
     order = curve_order(places)
     mesh = triangulation(places[order], grid.snap_weights(state.weights[order]))
-    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
-    ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
-    return np.asarray(np.sort(order[ends], axis=1))
+    return neighbour_pairs(mesh, order)
 
 
 def _degrees(slopes: Floats) -> float:
