@@ -241,3 +241,49 @@ def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
     assert child.returncode == 130, said
     assert "Traceback" not in said
     assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"
+
+
+def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:
+    names = ("a.ont", "a.step", "a.3mf", "a.stl", "a.brep", "a.svg")
+    ont, step, threemf, stl, brep, svg = (tmp_path / name for name in names)
+    done = run(
+        "fill", samples / "cone.step", "--layer-height", 3, "--sites", 9, "--step-as", "cells",
+        "--threemf-as", "solid", "--stl-as", "solid", "--thickness", 1.5, "--ont", ont,
+        "--step", step, "--3mf", threemf, "--stl", stl, "--brep", brep, "--svg", svg,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert all((tmp_path / name).stat().st_size > 500 for name in names)
+    assert "B-rep" in run("ont", "info", ont).stdout
+    assert "the one that was written" in run("ont", "check", ont).stdout
+    assert run("ont", "convert", ont, tmp_path / "b.ont", "--boundary", "stl").returncode == 0
+    assert "triangles" in run("ont", "info", tmp_path / "b.ont").stdout
+
+
+def test_what_forms_refuse(
+    samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fill = ("fill", samples / "cone.step", "--layer-height", 5, "--sites", 9)
+    step = ("--step", tmp_path / "a.step", "--step-as")
+    assert "--thickness 0" in mistake(capsys, *fill, *step, "solid", "--thickness", 0)
+    assert "give wires or faces" in mistake(capsys, *fill, *step, "foam")
+    thesis = mistake(capsys, *fill, *step, "faces", "--method", "thesis")
+    assert "thesis" in thesis
+    assert "largest safe value" in mistake(capsys, *fill, *step, "wires", "--offset", 1e3)
+    assert "give a number or auto" in mistake(capsys, *fill, *step, "wires", "--offset", "much")
+    assert not (tmp_path / "a.step").exists()
+
+
+def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
+    gcode = tmp_path / "a.gcode"
+    done = run("fill", samples / "cone.step", "--layer-height", 5, "--gcode", gcode)
+    assert done.returncode == 0, done.stderr
+    import json
+
+    told = json.loads(run("gcode", "info", gcode, "--json").stdout)
+    assert told["layers"] == 6
+    assert told["time_s"] > 60
+    assert run("nc", "template", gcode, "--out", tmp_path / "p.toml").returncode == 0
+    again = ("--gcode", tmp_path / "b.gcode", "--profile", tmp_path / "p.toml")
+    assert run("fill", samples / "cone.step", "--layer-height", 5, *again).returncode == 0
+    adjusted = run("nc", "adjust", gcode, tmp_path / "c.gcode", "--retraction", 1)
+    assert "hops" in adjusted.stdout

@@ -11,7 +11,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from v3dcad.settings import Checked, Declared, declared, option
+from v3dcad.settings import Checked, declared, option
 
 Command = Callable[..., None]
 
@@ -56,7 +56,7 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
         *names,
         help=says,
         metavar="|".join(known.choices) or known.metavar or (known.word and f"NUMBER|{known.word}"),
-        parser=_number_or_word(known) if known.word else None,
+        parser=_number_or_word if known.word else None,
         rich_help_panel=(cls.__doc__ or "").split(".")[0],
     )
     annotation: Any = Annotated[Any if known.word else kind | None, shown]
@@ -65,12 +65,11 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     )
 
 
-def _number_or_word(known: Declared) -> Callable[[str], float | str]:
-    def number(text: str) -> float | str:
-        return text if text == known.word else float(text)
-
-    number.__name__ = f"number|{known.word}"
-    return number
+def _number_or_word(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text  # the setting's declaration says whether it is the word
 
 
 def given(cls: type[Checked], arguments: dict[str, Any]) -> dict[str, Any]:
