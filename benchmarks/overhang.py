@@ -14,8 +14,9 @@ import shapely
 
 from benchmarks.engine import CASES, sections
 from v3dcad import FillSettings, fill_sections
+from v3dcad.geometry.regions import section_area
 from v3dcad.model import Floats, Layer
-from v3dcad.structure.overhang import overhang, section_area
+from v3dcad.structure.overhang import overhang
 
 MOST = 45_000
 """Sites times layers looked at in each case, from the base up: what the sampling can bear."""

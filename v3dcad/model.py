@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
@@ -336,12 +336,3 @@ class Recipe(Value):
     """of the structure; None where a file has none, as the thesis's"""
     software: str = ""
     """what wrote it; empty for the thesis's form"""
-
-
-def concatenated(toolpaths: Sequence[Toolpath]) -> Toolpath:
-    """One toolpath after the other, as one."""
-    parts: Any = [
-        np.concatenate([getattr(path, field.name) for path in toolpaths])
-        for field in fields(Toolpath)
-    ]
-    return Toolpath(*parts)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -182,8 +182,8 @@ class Structure(Forms):
         with written_beside(Path(path)) as beside:
             draw(self.layers, beside)
 
-    def findings(self, written: Collection[str] = ()) -> list[str]:
-        """What the user should know of how the part was read and what was written of it."""
+    def findings(self) -> list[str]:
+        """What the user should know of how the part was read."""
         return list(self.part.findings)
 
     def report(

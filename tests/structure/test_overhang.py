@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from v3dcad import FillSettings, Section, fill_sections
 from v3dcad.errors import SettingError
+from v3dcad.geometry.regions import section_area
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.growth import largest_offset
-from v3dcad.structure.overhang import overhang, section_area
+from v3dcad.structure.overhang import overhang
 
 SQUARE = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
 HOLE = np.array([[-6.0, -5], [-5, 7], [6, 5], [5, -6]])

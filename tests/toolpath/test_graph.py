@@ -9,6 +9,7 @@ from diagrams import area_of, disc, layer, scattered, square
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from v3dcad.geometry.regions import section_area
 from v3dcad.model import CELLS, PERIMETER, Floats, Section
 from v3dcad.toolpath.graph import (
     PathGraph,
@@ -17,7 +18,7 @@ from v3dcad.toolpath.graph import (
     shared_length,
     with_short_edges_joined,
 )
-from v3dcad.toolpath.perimeters import inset, loops, region, with_arcs
+from v3dcad.toolpath.perimeters import inset, loops, with_arcs
 from v3dcad.toolpath.trim import trimmed
 
 lean = settings(max_examples=25, deadline=None, derandomize=True)
@@ -58,7 +59,7 @@ def test_cell_edges_through_the_corners_of_the_perimeter(hole: float, depth: flo
 
 def check_trimmed(sites: Floats, section: Section, depth: float) -> None:
     made = layer(sites, section)
-    area = inset(region(made.section), depth)
+    area = inset(section_area(made.section), depth)
     graph = trimmed(made.diagram, area, loops(area))
     inner = made.diagram.edges[made.diagram.inner()]
     whole = shapely.multilinestrings(shapely.linestrings(made.diagram.vertices[inner]))
@@ -78,7 +79,7 @@ def check_trimmed(sites: Floats, section: Section, depth: float) -> None:
 
 def test_region_knows_holes_and_islands_in_them() -> None:
     nested = [square(half).rings[0] for half in (10.0, 6.0, 3.0)]
-    area = region(Section(0.0, (nested[0], nested[1][::-1], nested[2])))
+    area = section_area(Section(0.0, (nested[0], nested[1][::-1], nested[2])))
     assert area.area == pytest.approx(400 - 144 + 36)
 
 
@@ -143,7 +144,7 @@ def test_at_most_half_an_edge_is_shared() -> None:
 
 def test_arcs_are_found_again_inside_the_contour() -> None:
     made = layer(scattered(20, 14, 6), disc(20))
-    area = inset(region(made.section), 0.4)
+    area = inset(section_area(made.section), 0.4)
     graph = with_arcs(trimmed(made.diagram, area, loops(area)), made.section, 0.4)
     arc = np.isfinite(graph.centre[:, 0])
     assert np.array_equal(arc, graph.feature == PERIMETER)
@@ -155,7 +156,7 @@ def test_an_arc_in_a_hole_runs_outside_its_circle() -> None:
     outside, hole = square(30).rings[0], disc(10).rings[0][::-1]
     run = disc(10).runs[0]._replace(ring=1)
     section = Section(0.0, (outside, hole), (run,))
-    area = inset(region(section), 0.4)
+    area = inset(section_area(section), 0.4)
     graph = with_arcs(loops_graph(loops(area), PERIMETER), section, 0.4)
     arc = np.isfinite(graph.centre[:, 0])
     assert np.count_nonzero(~arc) == 4

@@ -5,8 +5,8 @@ import pytest
 import shapely
 from diagrams import disc, square
 
+from v3dcad.geometry.regions import section_area
 from v3dcad.model import Floats, Section
-from v3dcad.toolpath.perimeters import region
 from v3dcad.toolpath.travel import Traveller
 
 
@@ -15,12 +15,12 @@ def length(start: Floats, way: Floats) -> float:
 
 
 def test_a_clear_way_is_straight() -> None:
-    way = Traveller(region(square(10)), 0.2).way(np.array([-9.0, -9]), np.array([9.0, 3]))
+    way = Traveller(section_area(square(10)), 0.2).way(np.array([-9.0, -9]), np.array([9.0, 3]))
     assert way.tolist() == [[9, 3]]
 
 
 def test_around_a_square_hole() -> None:
-    area = region(square(10, hole=5))
+    area = section_area(square(10, hole=5))
     start, stop = np.array([-8.0, 0]), np.array([8.0, 0])
     way = Traveller(area, 0.2).way(start, stop)
     assert area.covers(shapely.LineString(np.vstack([start, way])))
@@ -29,7 +29,7 @@ def test_around_a_square_hole() -> None:
 
 
 def test_around_a_round_hole_with_many_points() -> None:
-    area = region(Section(0.0, (square(20).rings[0], disc(10, points=720).rings[0][::-1])))
+    area = section_area(Section(0.0, (square(20).rings[0], disc(10, points=720).rings[0][::-1])))
     start, stop = np.array([-15.0, 0]), np.array([15.0, 0.0])
     way = Traveller(area, 0.2).way(start, stop)
     assert area.covers(shapely.LineString(np.vstack([start, way])))
@@ -43,5 +43,5 @@ def test_straight_where_there_is_no_way(stop: tuple[float, float]) -> None:
     island = Section(
         0.0, (square(10, hole=5).rings[0], square(10, hole=5).rings[1], square(2).rings[0])
     )
-    way = Traveller(region(island), 0.2).way(np.array([-8.0, 0]), np.array(stop))
+    way = Traveller(section_area(island), 0.2).way(np.array([-8.0, 0]), np.array(stop))
     assert way.tolist() == [list(stop)]

@@ -164,7 +164,7 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("overhang", certificate_line(summary["overhang"])),
             *_print_rows(summary.get("print")),
             *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values()),
-            *(("note", finding) for finding in structure.findings(files)),
+            *(("note", finding) for finding in structure.findings()),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ]
     )

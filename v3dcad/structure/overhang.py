@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry.grid import Grid, curve_order
+from v3dcad.geometry.regions import contour_lines, section_area
 from v3dcad.geometry.support import distance_to_walls
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
@@ -133,7 +134,7 @@ def _rests(
         return distance_to_walls(pieces, hints, state.sites, state.weights, neighbours, reach)
 
     farthest, beyond = to_walls(segments, hints)
-    contours = shapely.multilinestrings([_closed(ring) for ring in below.section.rings])
+    contours = contour_lines(below.section)
     shapely.prepare(contours)
     unsupported = 0.0
     far = beyond > 0
@@ -198,12 +199,3 @@ def _split(
 
 def _same_rings(one: Section, other: Section) -> bool:
     return len(one.rings) == len(other.rings) and all(map(np.array_equal, one.rings, other.rings))
-
-
-def _closed(ring: Floats) -> shapely.Geometry:
-    return shapely.linestrings(np.vstack([ring, ring[:1]]))
-
-
-def section_area(section: Section) -> shapely.Geometry:
-    """The section as one shapely polygon or multipolygon."""
-    return shapely.build_area(shapely.multilinestrings([_closed(r) for r in section.rings]))

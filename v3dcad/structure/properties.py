@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 
 from v3dcad.errors import SettingError
+from v3dcad.geometry.regions import section_area
 from v3dcad.model import Floats, Layer, Value
-from v3dcad.structure.overhang import section_area
 
 ARC = 64
 """Chords to a quarter circle, where a void goes round a reflex corner of a contour: each such

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.regions import section_area
 from v3dcad.model import (
     EXTRUDE,
     NOTHING,
@@ -22,7 +23,6 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.perimeters import region
 from v3dcad.toolpath.plan import Plan, Stroke
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.travel import Traveller
@@ -45,7 +45,7 @@ def trace(
     """
     nozzle = Nozzle(settings)
     for layer, solid in _solid_marked(layers, settings):
-        area = region(layer.section)
+        area = section_area(layer.section)
         plan = Plan(layer, area, settings, solid, first=nozzle.level == 0)
         nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         before, strokes = nozzle.position, 0

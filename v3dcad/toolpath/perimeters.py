@@ -1,4 +1,4 @@
-"""A section's area, its perimeters inside the contour, and which of their edges are arcs."""
+"""Perimeters inside a section's contour, and which of their edges are arcs."""
 
 from __future__ import annotations
 
@@ -13,12 +13,6 @@ from v3dcad.toolpath.graph import PathGraph
 
 MITRE_LIMIT = 3.0
 """Corners sharper than this many distances are cut off, as slicers do."""
-
-
-def region(section: Section) -> shapely.Geometry:
-    """The section's area as a polygon or several; every second nested ring is a hole."""
-    closed = [np.vstack([ring, ring[:1]]) for ring in section.rings]
-    return shapely.build_area(shapely.MultiLineString(closed))
 
 
 def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
