@@ -21,9 +21,12 @@ from v3dcad.geometry.kinetics import EVERYTHING, MOTION, TOUCHED, strut
 from v3dcad.geometry.triangulation import ACROSS, MESH, NOTHING, TRIANGLES, edge_to
 from v3dcad.geometry.walk import EDGE, FLOAT_ROWS, INT_ROWS, INTO, INTS, ROW, ROWS, SIDES, WINDING
 
-VERTICES, WHOLE, FILLED, CROSSED, CHANGED = range(5)
+VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH = range(6)
 """What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are
-crossed, and entries of `changed`."""
+crossed, and entries of `changed` and of `fresh`."""
+
+TOO_MANY = -1
+"""How many entries `fresh` has when there were more than it can hold."""
 
 UNKNOWN = -2
 
@@ -62,15 +65,17 @@ class Cut(NamedTuple):
     """(3 t,) int64: the same before the last changes; −1 where there were none"""
     changed: Any
     """(3 t,) int32: keys with changes"""
+    fresh: Any
+    """(t,) int32: triangles of new inner vertices, since somebody last emptied this list"""
     filled: Any
     """(p,) int32: how many inner vertices each cell has"""
     state: Any
-    """(5,) int64"""
+    """(6,) int64"""
 
 
 _VERTICES = [SIDES, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
 _EDGES = [INT_ROWS, INT_ROWS, ROWS, ROW, ROW, types.int8[:, ::1], ROW, INTS, INTS, ROW]
-CUT = TupleType([*_VERTICES, *_EDGES, ROW, INTS], Cut)
+CUT = TupleType([*_VERTICES, *_EDGES, ROW, ROW, INTS], Cut)
 
 
 def empty_cut(points: int, triangles: int) -> Cut:
@@ -91,8 +96,9 @@ def empty_cut(points: int, triangles: int) -> Cut:
         pair_at=np.zeros(3 * triangles, np.int64),
         before=np.full(3 * triangles, -1, np.int64),
         changed=np.empty(3 * triangles, np.int32),
+        fresh=np.empty(triangles, np.int32),
         filled=np.zeros(points, np.int32),
-        state=np.zeros(5, np.int64),
+        state=np.zeros(6, np.int64),
     )
 
 
@@ -204,8 +210,8 @@ def _add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-
     """Number those of the listed triangles that lie inside and have no vertex yet."""
     points, triangles, base, growth = mesh.points, mesh.triangles, motion.base, motion.growth
     vertex_of, corners, struts, holes = cut.vertex_of, cut.corners, cut.struts, cut.holes
-    inside, filled = cut.inside, cut.filled
-    vertex, cells = cut.state[VERTICES], cut.state[FILLED]
+    inside, filled, fresh = cut.inside, cut.filled, cut.fresh
+    vertex, cells, news = cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH]
     for place in range(count):
         triangle = listed[place]
         if inside[triangle] != 1 or vertex_of[triangle] >= 0:
@@ -226,7 +232,12 @@ def _add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-
             filled[cell] += 1
         vertex_of[triangle] = vertex
         vertex += 1
-    cut.state[VERTICES], cut.state[FILLED] = vertex, cells
+        if news == len(fresh):
+            news = TOO_MANY
+        if news != TOO_MANY:
+            fresh[news] = triangle
+            news += 1
+    cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH] = vertex, cells, news
 
 
 @njit(types.void(MESH, CUT, INTS, ROW, WORD), **INTERNAL)

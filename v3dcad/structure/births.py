@@ -13,16 +13,23 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CUT, VERTICES
+from v3dcad.geometry.cut import CUT
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.grid import HEAVIEST, STEPS
-from v3dcad.geometry.kinetics import ALWAYS, LAST, MOTION, NOW, add_point
+from v3dcad.geometry.kinetics import LAST, MOTION, NOW, add_point
 from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, ROW, SENTINELS, locate
+from v3dcad.structure.holes import (
+    BARREN,
+    LENGTH,
+    SHARE,
+    SHORTLIST,
+    has_parents,
+    list_holes,
+    look_again,
+    size_at,
+)
 
 FLOAT = types.float64
-
-SHARE = 0.9
-"""Holes of this share of the largest are looked at first."""
 
 
 @njit(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
@@ -158,19 +165,6 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@njit(
-    types.boolean(types.int64[::1], types.int64[::1], types.int32[:, ::1], WORD, WORD, FLOAT),
-    **INLINED,
-)
-def ripe_around(births, growth, corners, vertex, now, gain):  # type: ignore[no-untyped-def]
-    """Whether none of a vertex's cells is a newborn that has not yet gained so much, steps²."""
-    for k in range(1, 4):
-        point = corners[vertex, k]
-        if births[point] != ALWAYS and growth[point] * (now - births[point]) < gain:
-            return False
-    return True
-
-
 @njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
 def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     """The place of a triangle's newborn, its centroid, and its growth."""
@@ -181,8 +175,8 @@ def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     return x, y, fastest + equal
 
 
-@njit(WORD(MESH, MOTION, CUT, SQUARES, WORD, FLOAT, FLOAT), **INTERNAL)
-def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignore[no-untyped-def]
+@njit(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, WORD, FLOAT, FLOAT), **INTERNAL)
+def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
     Each is at the centroid of a triangle whose vertex lies inside the section. It grows
@@ -191,30 +185,21 @@ def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignor
     weight `gain`, steps²: around its tiny cell the hole still looks as large as before.
     There must be room for them in points and log.
     """
-    points, triangles, corners, power = mesh.points, mesh.triangles, cut.corners, cut.holes
-    growth, births, time = motion.growth, motion.born, motion.state[NOW]
-    total, before, born = cut.state[VERTICES], mesh.count[POINTS], 0
+    points, triangles, corners, vertex_of = mesh.points, mesh.triangles, cut.corners, cut.vertex_of
+    growth, time, now = motion.growth, motion.state[NOW], float(motion.state[NOW])
+    before, born, state = mesh.count[POINTS], 0, shortlist.state
     _list_points(mesh, growth, squares)
-    holes, largest, now = np.empty(total), 0.0, float(time)
-    heap, places = np.empty(total), np.empty(total, np.int32)
-    for vertex in range(total):
-        holes[vertex] = power[vertex, 0] + now * (power[vertex, 1] + now * power[vertex, 2])
-    for vertex in range(total):
-        if holes[vertex] > largest:
-            if ripe_around(births, growth, corners, vertex, time, gain):
-                largest = holes[vertex]
-            else:
-                holes[vertex] = -np.inf
-    # Mostly the largest holes will do; all others are looked at where they do not.
-    for above, up_to in ((SHARE * largest, np.inf), (-np.inf, SHARE * largest)):
-        if born == wanted:
-            break
-        length = 0
-        for vertex in range(total):
-            if above < holes[vertex] <= up_to and ripe_around(
-                births, growth, corners, vertex, time, gain
-            ):
-                heap[length], places[length] = holes[vertex], corners[vertex, 0]
+    for attempt in range(3):  # with the old shortlist, a new one, and all holes
+        if attempt == 0 and not look_again(motion, cut, shortlist):
+            continue
+        if attempt > 0:
+            list_holes(motion, cut, shortlist, SHARE if attempt == 1 else 0.0, gain)
+        heap, places, length = np.empty(state[LENGTH]), np.empty(state[LENGTH], np.int32), 0
+        for place in range(state[LENGTH]):
+            vertex = vertex_of[shortlist.holes[place]]
+            size = size_at(cut.holes, vertex, now)
+            if size > shortlist.bar[0] and has_parents(motion, corners, vertex, gain):
+                heap[length], places[length] = size, shortlist.holes[place]
                 length += 1
         for at in range(length // 2 - 1, -1, -1):
             _sink(heap, places, at, length)
@@ -226,6 +211,7 @@ def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignor
             a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
             if max(a, b, c) >= before:  # a newborn has just been put here
                 continue
+            shortlist.listed[triangle] = BARREN  # unless it changes, as it does with a newborn
             q = mesh.count[POINTS]
             x, y, grows = newborn_at(points, growth, a, b, c)
             if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
@@ -243,4 +229,6 @@ def give_births(mesh, motion, cut, squares, wanted, reach, gain):  # type: ignor
             mesh.count[POINTS] += 1
             add_point(mesh, motion, triangle, q)
             born += 1
+        if born == wanted:
+            break
     return born

@@ -16,6 +16,7 @@ from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
 from v3dcad.structure.births import no_squares
+from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.layers import (
     LAYERS,
     NEEDS_ROOM,
@@ -90,7 +91,7 @@ class Course:
         self.motion = motion_of(self.mesh, growth, first, last)
         room, slots = len(self.mesh.points), len(self.mesh.triangles)
         self._cut, self._tree = empty_cut(room, slots), empty_tree(room)
-        self._squares = no_squares(room)
+        self._squares, self._shortlist = no_squares(room), no_shortlist(slots)
         self.motion.born[SENTINELS:] = sites.born
 
     def sites(self) -> Timed:
@@ -177,6 +178,7 @@ class Course:
             slots = len(self.mesh.triangles)
             self._cut = cut_with_room(self._cut, room, slots)
             self._tree, self._squares = tree_with_room(self._tree, room), no_squares(room)
+            self._shortlist = no_shortlist(slots)
         left, low = self.grid.origin
         times = self.times[index : index + len(rings.layers) - 1]
         reach = self.growth_step / (2 * self.slope) / self.grid.pitch
@@ -186,6 +188,7 @@ class Course:
             self._cut,
             self._tree,
             self._squares,
+            self._shortlist,
             site_of,
             rings,
             times,

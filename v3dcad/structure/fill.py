@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -157,7 +158,7 @@ class Filling:
         always = np.full(len(places), ALWAYS)
         self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
         self._heights = np.array([section.z for section in sections], np.float64)
-        self._history: History | None = None
+        self._passed: Course | None = None
         if (
             len(sections)
             and np.abs(times_of(self._heights, self.growth_step, grid)).max() > HEAVIEST
@@ -187,14 +188,18 @@ class Filling:
         layers = np.searchsorted(times, sites.born[newborn])
         return np.column_stack([layers, sites.site_of[newborn]])
 
-    @property
+    @cached_property
     def history(self) -> History:
         """What happened on the way up; goes all the way where nobody has yet."""
-        if self._history is None:
+        if not self.sections:
+            nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+            return History(self._start, nothing)
+        if self._passed is None:
             for _ in self.climb():
                 pass
-        assert self._history is not None
-        return self._history
+        assert self._passed is not None
+        course, self._passed = self._passed, None
+        return History(course.sites(), course.tracks())
 
     @property
     def walls(self) -> Walls:
@@ -234,8 +239,6 @@ class Filling:
         """The layers from the first to the last, one at a time."""
         sections, full_cell, index = self.sections, np.inf, 0
         if not sections:
-            nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
-            self._history = History(self._start, nothing)
             return
         course = self._course(self._start, self._heights)
         while index < len(sections):
@@ -249,4 +252,4 @@ class Filling:
                 rectangle = float(np.prod(self.box[2] - self.box[0]))
                 full_cell = layer.area_per_cell or rectangle / len(self._start.places)
             index += some
-        self._history = History(course.sites(), course.tracks())
+        self._passed = course

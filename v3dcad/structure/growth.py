@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import KDTree
 
 from v3dcad.errors import SettingError
@@ -19,23 +21,21 @@ def growing(count: int, tree: Ints) -> NDArray[np.bool_]:
     Pieces of a forest are rooted at their smallest site. A tree is bipartite, so that of two
     sites joined by it exactly one grows.
     """
-    ends = np.concatenate([tree, tree[:, ::-1]])
-    ends = ends[np.argsort(ends[:, 0], kind="stable")]
-    first = np.searchsorted(ends[:, 0], np.arange(count + 1))
-    level = np.full(count, -1)
-    for root in range(count):
-        if level[root] >= 0:
-            continue
-        level[root] = 0
-        front = np.array([root])
-        while len(front):
-            degree = first[front + 1] - first[front]
-            offset = np.repeat(first[front] - np.cumsum(degree) + degree, degree)
-            reached = ends[offset + np.arange(len(offset))]
-            reached = reached[level[reached[:, 1]] < 0]
-            level[reached[:, 1]] = level[reached[:, 0]] + 1
-            front = reached[:, 1]
-    return np.asarray(level % 2 == 1)
+    pieces = connected_components(_graph(count, tree), directed=False)[1]
+    roots = np.unique(pieces, return_index=True)[1]
+    # A level below all others: one site more, which the roots hang from.
+    hung = np.column_stack([np.full(len(roots), count), roots])
+    whole = _graph(count + 1, np.concatenate([tree, hung]))
+    above = breadth_first_order(whole, count, directed=False)[1]
+    above[count] = count
+    odd = above != count
+    while (above != count).any():  # each time twice as far up
+        odd, above = odd ^ odd[above], above[above]
+    return np.asarray(odd[:count])
+
+
+def _graph(count: int, pairs: Ints) -> csr_array:
+    return csr_array((np.ones(len(pairs)), pairs.T), (count, count))
 
 
 def settled_offset(settings: FillSettings, sites: Floats, grows: NDArray[np.bool_]) -> float:

@@ -32,6 +32,7 @@ from v3dcad.geometry.walk import (
     walk_rings,
 )
 from v3dcad.structure.births import SQUARES, give_births
+from v3dcad.structure.holes import SHORTLIST
 
 DONE, NEEDS_ROOM, OVERLAPPING, OPEN_WALK = range(4)
 """How a run ended: after its last layer, for want of room, or at a layer whose rings overlap (run
@@ -165,11 +166,11 @@ def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
 
 
 @njit(
-    RUN(MESH, MOTION, CUT, TREE, SQUARES, INTS, RINGS, INTS, *[types.float64] * 5),
+    RUN(MESH, MOTION, CUT, TREE, SQUARES, SHORTLIST, INTS, RINGS, INTS, *[types.float64] * 5),
     **COMPILED,
 )
 def run(  # type: ignore[no-untyped-def]
-    mesh, motion, cut, tree, squares, site_of, rings, times, left, low, pitch, reach,
+    mesh, motion, cut, tree, squares, shortlist, site_of, rings, times, left, low, pitch, reach,
     full_cell,
 ):  # fmt: skip
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
@@ -248,7 +249,9 @@ def run(  # type: ignore[no-untyped-def]
             ):
                 outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
                 break
-            born = give_births(mesh, motion, cut, squares, wanted, reach, full_cell / pitch / pitch)
+            born = give_births(
+                mesh, motion, cut, squares, shortlist, wanted, reach, full_cell / pitch / pitch
+            )
             if born == 0:
                 break
             if not advance(mesh, motion, times[layer]):
