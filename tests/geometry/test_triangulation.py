@@ -7,8 +7,8 @@ from scipy.spatial import ConvexHull
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.grid import STEPS, Grid, curve_order
 from v3dcad.geometry.kinetics import STRUTS, advance, motion_of, with_log
+from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.tree import spanning_tree
 from v3dcad.geometry.triangulation import (
     NOTHING,
     SENTINELS,

@@ -13,7 +13,7 @@ import numpy as np
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
 from v3dcad.geometry.kinetics import ALWAYS
-from v3dcad.geometry.tree import spanning_tree
+from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings

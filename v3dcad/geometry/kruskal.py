@@ -1,0 +1,87 @@
+"""Minimum spanning trees from scratch, by Kruskal's algorithm (1956).
+
+Lengths are exact, and ties go by site numbers, so that there is only one tree.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, types
+
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.model import Ints
+
+LENGTHS, PAIRS, ROW = types.int64[::1], types.int64[:, ::1], types.int32[::1]
+
+
+@njit(types.boolean(POINT_ROWS, LENGTHS, *[WORD] * 4), **INTERNAL)
+def is_shorter(points, site_of, a, b, c, d):  # type: ignore[no-untyped-def]
+    """Whether the edge a–b comes before c–d: by length, then by sites."""
+    ax, ay = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]
+    cx, cy = points[c, 0] - points[d, 0], points[c, 1] - points[d, 1]
+    difference = ax * ax + ay * ay - cx * cx - cy * cy
+    if difference != 0:
+        return difference < 0
+    a, b, c, d = site_of[a], site_of[b], site_of[c], site_of[d]
+    return min(a, b) < min(c, d) or (min(a, b) == min(c, d) and max(a, b) < max(c, d))
+
+
+@njit(WORD(ROW, WORD), **INLINED)
+def root_of(piece, site):  # type: ignore[no-untyped-def]
+    """The root of a site's piece, with the way there halved."""
+    while piece[site] != site:
+        piece[site] = piece[piece[site]]
+        site = piece[site]
+    return site
+
+
+@njit(PAIRS(POINT_ROWS, LENGTHS, PAIRS), **COMPILED)
+def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
+    """The minimum spanning forest (k, 2) of pairs (m, 2) of points, shortest first."""
+    count, chosen = len(pairs), 0
+    order, other, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
+    for edge in range(count):
+        order[edge] = edge
+    while width < count:  # merge sort
+        for start in range(0, count, 2 * width):
+            left, middle = start, min(start + width, count)
+            right, stop = middle, min(start + 2 * width, count)
+            for to in range(start, stop):
+                if right == stop:
+                    from_left = True
+                elif left == middle:
+                    from_left = False
+                else:
+                    a, b = order[left], order[right]
+                    from_left = not is_shorter(
+                        points, site_of, pairs[b, 0], pairs[b, 1], pairs[a, 0], pairs[a, 1]
+                    )
+                if from_left:
+                    other[to] = order[left]
+                    left += 1
+                else:
+                    other[to] = order[right]
+                    right += 1
+        order, other, width = other, order, 2 * width
+    piece, tree = np.empty(len(points), np.int32), np.empty((count, 2), np.int64)
+    for point in range(len(points)):
+        piece[point] = point
+    for place in range(count):
+        edge = order[place]
+        a, b = root_of(piece, pairs[edge, 0]), root_of(piece, pairs[edge, 1])
+        if a != b:
+            piece[a] = b
+            tree[chosen, 0], tree[chosen, 1] = pairs[edge, 0], pairs[edge, 1]
+            chosen += 1
+    return tree[:chosen]
+
+
+def spanning_tree(places: Ints, pairs: Ints) -> Ints:
+    """The minimum spanning forest (k, 2) of pairs (m, 2), i < j, of places (n, 2) on the grid.
+
+    By length, ties by site numbers; shortest first.
+    """
+    points = np.zeros((len(places), 3), np.int64)
+    points[:, :2] = places
+    tree: Ints = kruskal(points, np.arange(len(places)), np.ascontiguousarray(pairs, np.int64))
+    return tree
