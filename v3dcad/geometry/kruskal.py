@@ -1,6 +1,6 @@
 """Minimum spanning trees from scratch, by Kruskal's algorithm (1956).
 
-Lengths are exact, and ties go by site numbers, so that there is only one tree.
+Lengths are exact, and ties go by the points' numbers, so that there is only one tree.
 """
 
 from __future__ import annotations
@@ -14,15 +14,14 @@ from v3dcad.model import Ints
 LENGTHS, PAIRS, ROW = types.int64[::1], types.int64[:, ::1], types.int32[::1]
 
 
-@njit(types.boolean(POINT_ROWS, LENGTHS, *[WORD] * 4), **INTERNAL)
-def is_shorter(points, site_of, a, b, c, d):  # type: ignore[no-untyped-def]
-    """Whether the edge a–b comes before c–d: by length, then by sites."""
+@njit(types.boolean(POINT_ROWS, *[WORD] * 4), **INTERNAL)
+def is_shorter(points, a, b, c, d):  # type: ignore[no-untyped-def]
+    """Whether the edge a–b comes before c–d: by length, then by the points' numbers."""
     ax, ay = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]
     cx, cy = points[c, 0] - points[d, 0], points[c, 1] - points[d, 1]
     difference = ax * ax + ay * ay - cx * cx - cy * cy
     if difference != 0:
         return difference < 0
-    a, b, c, d = site_of[a], site_of[b], site_of[c], site_of[d]
     return min(a, b) < min(c, d) or (min(a, b) == min(c, d) and max(a, b) < max(c, d))
 
 
@@ -35,8 +34,8 @@ def root_of(piece, site):  # type: ignore[no-untyped-def]
     return site
 
 
-@njit(PAIRS(POINT_ROWS, LENGTHS, PAIRS), **COMPILED)
-def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
+@njit(PAIRS(POINT_ROWS, PAIRS), **COMPILED)
+def kruskal(points, pairs):  # type: ignore[no-untyped-def]
     """The minimum spanning forest (k, 2) of pairs (m, 2) of points, shortest first."""
     count, chosen = len(pairs), 0
     order, other, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
@@ -54,7 +53,7 @@ def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
                 else:
                     a, b = order[left], order[right]
                     from_left = not is_shorter(
-                        points, site_of, pairs[b, 0], pairs[b, 1], pairs[a, 0], pairs[a, 1]
+                        points, pairs[b, 0], pairs[b, 1], pairs[a, 0], pairs[a, 1]
                     )
                 if from_left:
                     other[to] = order[left]
@@ -79,9 +78,9 @@ def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
 def spanning_tree(places: Ints, pairs: Ints) -> Ints:
     """The minimum spanning forest (k, 2) of pairs (m, 2), i < j, of places (n, 2) on the grid.
 
-    By length, ties by site numbers; shortest first.
+    By length, ties by the places' numbers; shortest first.
     """
     points = np.zeros((len(places), 3), np.int64)
     points[:, :2] = places
-    tree: Ints = kruskal(points, np.arange(len(places)), np.ascontiguousarray(pairs, np.int64))
+    tree: Ints = kruskal(points, np.ascontiguousarray(pairs, np.int64))
     return tree

@@ -269,7 +269,7 @@ def run(  # type: ignore[no-untyped-def]
                 mesh, cut, site_of, stepped, starts, after, begun_in, crossings, at, count,
                 next_on, edges, sites, row,
             )  # fmt: skip
-            renew_tree(mesh, cut, tree, site_of)
+            renew_tree(mesh, cut, tree)
             row = tree_rows[graph]
             branches = _with_room(branches, row, mesh.count[POINTS])
             tree_rows[graph + 1] = write_tree(mesh, tree, site_of, branches, row)

@@ -1,0 +1,92 @@
+"""Births where holes tie: what climbs from layer to layer stays what each layer is by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from v3dcad import FillSettings, GeometryError, Section, fill_sections
+from v3dcad.model import Floats
+
+BLOCK = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
+
+
+def block(layers: int) -> list[Section]:
+    return [Section(0.2 * layer, (BLOCK,)) for layer in range(layers)]
+
+
+def lattice(count: int, pitch: float, skew: float) -> Floats:
+    """Rows of sites, every second one moved: all holes of a row are as large."""
+    row, column = np.divmod(np.arange(count * count), count)
+    middle = (count - 1) / 2
+    shifted = column - middle + skew * (row % 2)
+    return np.column_stack([shifted, 0.875 * (row - middle)]) * pitch
+
+
+def scatter(seed: int) -> Floats:
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-20, 20, (int(rng.integers(20, 80)), 2))
+
+
+CASES = [
+    (lattice(10, 4.0, 0.5), 0.6),
+    (lattice(7, 5.5, 0.5), 0.7),
+    (lattice(6, 6.0, 0.0), 4.0),
+    (scatter(71), 10.0),
+    (scatter(90), 15.0),
+]
+
+
+@pytest.mark.parametrize(("sites", "offset"), CASES)
+def test_layers_with_births_are_what_they_are_by_themselves(sites: Floats, offset: float) -> None:
+    settings = FillSettings(offset=offset, max_overhang=90.0)
+    filling = fill_sections(block(60), sites, settings)
+    layers = list(filling.layers)
+    assert len(filling.births) > 5
+    for layer in layers:
+        count = len(layer.state.sites)
+        alone = filling.at(layer.z, layer.section).areas(count)
+        np.testing.assert_allclose(layer.diagram.areas(count), alone, atol=1e-6)
+
+
+@pytest.mark.parametrize(("sites", "offset"), CASES)
+def test_no_newborn_lies_where_a_dead_site_lay(sites: Floats, offset: float) -> None:
+    filling = fill_sections(block(60), sites, FillSettings(offset=offset, max_overhang=90.0))
+    places = list(filling.layers)[-1].state.sites
+    assert len(np.unique(places, axis=0)) == len(places)
+
+
+@given(st.integers(0, 10**6))
+def test_scattered_births_are_what_they_are_by_themselves(seed: int) -> None:
+    filling = fill_sections(block(20), scatter(seed), FillSettings(offset=8.0, max_overhang=90.0))
+    top = list(filling.layers)[-1]
+    count = len(top.state.sites)
+    alone = filling.at(top.z, top.section).areas(count)
+    np.testing.assert_allclose(top.diagram.areas(count), alone, atol=1e-6)
+
+
+def test_weights_beyond_the_safe_range_are_refused_at_any_height() -> None:
+    sites = scatter(1)
+    with pytest.raises(GeometryError, match="safe range"):
+        fill_sections(block(3), sites, FillSettings(offset=1e15, max_overhang=90.0))
+    filling = fill_sections(block(3), sites, FillSettings())
+    for height in (1e9, -1e9, np.nan, np.inf):
+        with pytest.raises(GeometryError, match="safe range"):
+            filling.at(height)
+
+
+def test_a_far_site_is_named_and_a_nearer_one_is_not() -> None:
+    with pytest.raises(GeometryError, match=r"site 1: \(1e\+06, 0\) mm is more than 4000 mm"):
+        fill_sections(block(2), np.array([[0.0, 0], [1e6, 0]]), FillSettings())
+    fill_sections(block(2), np.array([[0.0, 0], [1000, 0]]), FillSettings())
+
+
+def test_sections_below_the_bed_and_rings_without_area_are_refused() -> None:
+    with pytest.raises(GeometryError, match="layer 0: it lies below z = 0"):
+        fill_sections([Section(-1.0, (BLOCK,))], scatter(1), FillSettings())
+    with pytest.raises(GeometryError, match="layer 0: one of its rings has fewer than three"):
+        fill_sections([Section(0.0, (BLOCK[:2],))], scatter(1), FillSettings())
+    with pytest.raises(GeometryError, match="layer 0: one of its rings has fewer than three"):
+        fill_sections([Section(0.0, (np.empty((0, 2)),))], scatter(1), FillSettings())
