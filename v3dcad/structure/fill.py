@@ -38,8 +38,9 @@ def fill_sections(
     """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
 
     At z = 0 all weights are 0, and the spanning tree of the sites' Voronoi diagram picks every
-    second of its levels to grow (the first site along a Hilbert curve stays, so that the order in
-    which they are given does not matter): they gain `settings.offset` mm² of weight a layer, linear in z.
+    second of its levels to grow (its root, the first site along a Hilbert curve, stays, so that
+    the order in which they are given does not matter): they gain `settings.offset` mm² of weight a
+    layer, linear in z.
     Where cells become larger than on the first layer, new ones are born (unless
     `settings.insertion` is off). With `settings.method` "thesis" the thesis's own algorithms make
     the layers. Sites on the same grid point are merged, with a warning.
@@ -55,6 +56,9 @@ def fill_sections(
     sites = np.asarray(sites, np.float64).reshape(-1, 2)
     if not len(sites):
         raise GeometryError("there are no sites: give at least one")
+    for index, section in enumerate(sections):
+        if any(len(ring) < 3 for ring in section.rings):
+            raise GeometryError("one of its rings has fewer than three corners", layer=index)
     heights = np.array([section.z for section in sections])
     for layer in np.nonzero(~np.isfinite(heights))[0]:
         raise GeometryError("its height is not a finite number", layer=int(layer))
@@ -64,9 +68,6 @@ def fill_sections(
         raise GeometryError(
             "it does not lie above the layer before: sort the sections by z", layer=int(layer) + 1
         )
-    for layer, section in enumerate(sections):
-        if any(len(ring) < 3 for ring in section.rings):
-            raise GeometryError("one of its rings has fewer than three corners", layer=layer)
     box = _bounds(sections) if box is None else box
     low, high = _around(sites, box)
     grid = Grid.around(low, high)
@@ -250,6 +251,8 @@ class Filling:
     def _refuse_heavy(self, sites: Timed, height: float) -> None:
         """Raise `GeometryError` where sites that there are at a height weigh too much there."""
         time = height * self.growth_step / self.grid.pitch**2
+        if not math.isfinite(time):
+            raise GeometryError("its height is not a finite number")
         unborn = (sites.born != ALWAYS) & (sites.born > time)
         safe = np.abs(sites.base + sites.growth * time) <= HEAVIEST
         for row in np.nonzero(~(safe | unborn))[0]:
