@@ -17,14 +17,15 @@ from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
-from v3dcad.structure.course import Course, Timed, times_of
+from v3dcad.structure.course import Course, times_of
 from v3dcad.structure.growth import growing, settled_offset
 from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.structure.timed import Timed
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
 """Most layers that are computed in one go, and"""
-VERTICES_AT_ONCE = 1 << 16
+VERTICES_AT_ONCE = 1 << 18
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
 
@@ -179,7 +180,9 @@ class Filling:
         self.growth_step = offset / settings.layer_height
         """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         always = np.full(len(places), ALWAYS)
-        self._start = Timed(places, still, grows.astype(np.int64), always, order)
+        self._start = Timed(
+            places, still, grows.astype(np.int64), always, np.zeros(len(places)), order
+        )
         self._heights = np.array([section.z for section in sections], np.float64)
         self._passed: Course | None = None
         for height in self._heights[-1:]:
