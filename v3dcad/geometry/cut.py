@@ -19,7 +19,7 @@ from numba.core.types import NamedTuple as TupleType
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.kinetics import EVERYTHING, MOTION, TOUCHED, strut
 from v3dcad.geometry.triangulation import ACROSS, MESH, NOTHING, TRIANGLES, edge_to
-from v3dcad.geometry.walk import EDGE, FLOAT_ROWS, INT_ROWS, INTO, INTS, ROW, ROWS, SIDES, WINDING
+from v3dcad.geometry.walk import EDGE, FLOAT_ROWS, INTO, INTS, ROW, ROWS, SIDES, WINDING
 
 VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH = range(6)
 """What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are
@@ -45,9 +45,9 @@ class Cut(NamedTuple):
     holes: Any
     """(t, 3) float64: the power of each inner vertex, a quadratic in time, steps²"""
     edges: Any
-    """(3 t, 2) int64: vertices of each whole edge"""
+    """(3 t, 2) int32: vertices of each whole edge"""
     sites: Any
-    """(3 t, 2) int64: to its right and to its left"""
+    """(3 t, 2) int32: to its right and to its left"""
     halves: Any
     """(3 t, 2) int32: 3 · triangle + edge on both sides; the first is its key"""
     edge_at: Any
@@ -74,7 +74,7 @@ class Cut(NamedTuple):
 
 
 _VERTICES = [SIDES, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
-_EDGES = [INT_ROWS, INT_ROWS, ROWS, ROW, ROW, types.int8[:, ::1], ROW, INTS, INTS, ROW]
+_EDGES = [ROWS, ROWS, ROWS, ROW, ROW, types.int8[:, ::1], ROW, INTS, INTS, ROW]
 CUT = TupleType([*_VERTICES, *_EDGES, ROW, ROW, INTS], Cut)
 
 
@@ -86,8 +86,8 @@ def empty_cut(points: int, triangles: int) -> Cut:
         corners=np.empty((triangles, 4), np.int32),
         struts=np.empty((triangles, 4)),
         holes=np.empty((triangles, 3)),
-        edges=np.empty((3 * triangles, 2), np.int64),
-        sites=np.empty((3 * triangles, 2), np.int64),
+        edges=np.empty((3 * triangles, 2), np.int32),
+        sites=np.empty((3 * triangles, 2), np.int32),
         halves=np.empty((3 * triangles, 2), np.int32),
         edge_at=np.full(3 * triangles, -1, np.int32),
         first_on=np.full(3 * triangles, -1, np.int32),
