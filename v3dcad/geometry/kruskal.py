@@ -38,30 +38,34 @@ def root_of(piece, site):  # type: ignore[no-untyped-def]
 def kruskal(points, pairs):  # type: ignore[no-untyped-def]
     """The minimum spanning forest (k, 2) of pairs (m, 2) of points, shortest first."""
     count, chosen = len(pairs), 0
-    order, other, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
+    order, lengths = np.empty(count, np.int64), np.empty(count, np.int64)
     for edge in range(count):
-        order[edge] = edge
+        x = points[pairs[edge, 0], 0] - points[pairs[edge, 1], 0]
+        y = points[pairs[edge, 0], 1] - points[pairs[edge, 1], 1]
+        order[edge], lengths[edge] = edge, x * x + y * y
+    to_order, to_lengths, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
     while width < count:  # merge sort
         for start in range(0, count, 2 * width):
             left, middle = start, min(start + width, count)
             right, stop = middle, min(start + 2 * width, count)
             for to in range(start, stop):
-                if right == stop:
-                    from_left = True
-                elif left == middle:
-                    from_left = False
+                if left == middle or right == stop:
+                    from_left = right == stop
+                elif lengths[left] != lengths[right]:
+                    from_left = lengths[left] < lengths[right]
                 else:
                     a, b = order[left], order[right]
                     from_left = not is_shorter(
                         points, pairs[b, 0], pairs[b, 1], pairs[a, 0], pairs[a, 1]
                     )
+                source = left if from_left else right
+                to_order[to], to_lengths[to] = order[source], lengths[source]
                 if from_left:
-                    other[to] = order[left]
                     left += 1
                 else:
-                    other[to] = order[right]
                     right += 1
-        order, other, width = other, order, 2 * width
+        order, to_order = to_order, order
+        lengths, to_lengths, width = to_lengths, lengths, 2 * width
     piece, tree = np.empty(len(points), np.int32), np.empty((count, 2), np.int64)
     for point in range(len(points)):
         piece[point] = point
