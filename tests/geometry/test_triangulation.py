@@ -5,17 +5,13 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.agenda import STRUTS, with_log
+from v3dcad.geometry.flips import NOTHING, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import STEPS, Grid, curve_order
-from v3dcad.geometry.kinetics import STRUTS, advance, motion_of, with_log
+from v3dcad.geometry.kinetics import advance, motion_of
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.triangulation import (
-    NOTHING,
-    SENTINELS,
-    TRIANGLES,
-    irregular_edges,
-    triangulation,
-)
+from v3dcad.geometry.triangulation import irregular_edges, triangulation
 
 pytestmark = pytest.mark.filterwarnings("error")
 

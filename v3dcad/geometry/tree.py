@@ -14,10 +14,8 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CHANGED, CROSSED, CUT, WHOLE
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
-from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
-from v3dcad.geometry.triangulation import (
+from v3dcad.geometry.flips import (
     ACROSS,
     MESH,
     NOTHING,
@@ -27,6 +25,8 @@ from v3dcad.geometry.triangulation import (
     corner_at,
     edge_to,
 )
+from v3dcad.geometry.inside import CHANGED, CROSSED, CUT, WHOLE
+from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
 
 MASK = (1 << 32) - 1
 FEW = 8

@@ -13,19 +13,13 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CUT
+from v3dcad.geometry.agenda import LAST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
+from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLE_ROWS
 from v3dcad.geometry.grid import HEAVIEST, STEPS
-from v3dcad.geometry.kinetics import LAST, MOTION, NOW, add_point
-from v3dcad.geometry.triangulation import (
-    MESH,
-    NOTHING,
-    POINTS,
-    ROW,
-    SENTINELS,
-    TRIANGLE_ROWS,
-    locate,
-)
+from v3dcad.geometry.inside import CUT
+from v3dcad.geometry.kinetics import add_point
+from v3dcad.geometry.triangulation import locate
 from v3dcad.structure.holes import (
     BARREN,
     LENGTH,

@@ -7,12 +7,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.cut import cut_with_room, empty_cut
+from v3dcad.geometry.agenda import STRUTS, with_log
+from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import Grid
-from v3dcad.geometry.kinetics import STRUTS, end_all, motion_of, with_log, with_room
+from v3dcad.geometry.inside import cut_with_room, empty_cut
+from v3dcad.geometry.kinetics import end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.tree import empty_tree, tree_with_room
-from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
+from v3dcad.geometry.triangulation import triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.births import no_squares
 from v3dcad.structure.holes import no_shortlist

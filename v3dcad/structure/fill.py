@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.agenda import ALWAYS
 from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
-from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
