@@ -288,7 +288,7 @@ def tidy(points, starts):  # type: ignore[no-untyped-def]
                 top += 1
         while top > bottom + 1 and not _differ(points, kept[top - 1], kept[bottom]):
             top -= 1
-        if is_thin(points[kept[bottom:top]]):
+        if is_thin(points[kept[bottom:top]], SNAP):
             top = bottom
         new_starts[ring + 1] = top
     return kept[:top], new_starts
@@ -300,12 +300,12 @@ def _differ(points, one, other):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def is_thin(ring):  # type: ignore[no-untyped-def]
-    """Whether the area of a ring (k, 2) is that of a line as wide as `SNAP`, or less."""
+def is_thin(ring, width):  # type: ignore[no-untyped-def]
+    """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
     area, length = 0.0, 0.0
     for place in range(1, len(ring)):
         x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
         back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
         area += back_x * y - back_y * x
         length += np.hypot(x - back_x, y - back_y)
-    return abs(area) <= SNAP * length
+    return abs(area) <= width * length

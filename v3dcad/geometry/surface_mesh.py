@@ -53,6 +53,9 @@ class SurfaceMesh(Value):
     """(e,) place of its curve in the heap, if it lies on an edge of the B-rep, else −1"""
     edge_spans: Floats
     """(e, 4) the curve's parameters at both nodes, or u, v at the first and u, v at the second"""
+    gapes: Floats
+    """(f,) mm: how far the edges of each face may stand off it, where that is worth mending
+    (`gapes`), else 0"""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -36,6 +36,7 @@ from OCP.TopTools import TopTools_IndexedMapOfShape
 from v3dcad.errors import KernelError
 from v3dcad.geometry.critical import critical_points
 from v3dcad.geometry.curves import curve_at
+from v3dcad.geometry.gapes import GAPE
 from v3dcad.geometry.mesh_section import pair_sides
 from v3dcad.geometry.poles import with_meridians
 from v3dcad.geometry.surface_mesh import SurfaceMesh
@@ -99,6 +100,7 @@ class _Collector:
         self.packer = Packer()
         self.faces: list[TopoDS_Face] = []
         self.surfaces: list[int] = []
+        self.gapes: list[float] = []
         self.triangles: list[tuple[int, int, int]] = []
         self.owner: list[int] = []
         self.corner_uv: list[tuple[float, float]] = []
@@ -135,7 +137,9 @@ class _Collector:
         self.corner_uv += [facets.UVNode(i).Coord() for i in range(1, count + 1)]
         self.corner_node += [-1] * count
         self.corner_face += [len(self.faces)] * count
+        tolerance = 0.0
         for edge in map(TopoDS.Edge_s, _subshapes(face, TopAbs_EDGE)):
+            tolerance = max(tolerance, BRep_Tool.Tolerance_s(edge))
             polygon = BRep_Tool.PolygonOnTriangulation_s(edge, facets, place)
             if polygon is not None:
                 self._add_boundary(edge, polygon, first)
@@ -146,6 +150,7 @@ class _Collector:
             self.triangles.append((first + corners[a], first + corners[b], first + corners[c]))
         self.owner += [len(self.faces)] * facets.NbTriangles()
         self.faces.append(face)
+        self.gapes.append(tolerance if tolerance > GAPE else 0.0)
         self.surfaces.append(self.packer.surface(BRep_Tool.Surface_s(face)))
 
     def _add_boundary(self, edge: TopoDS_Edge, polygon: Any, first: int) -> None:
@@ -195,7 +200,8 @@ class _Collector:
             place = surfaces[self.corner_face[corner]]
             nodes[node_of[corner]] = surface_at(heap, place, *uv[corner])[0]
         joined = _joined(
-            heap, surfaces, nodes, triangles, uv, owner, node_of, self.stretches, self.stretch_ends
+            *(heap, surfaces, np.array(self.gapes), nodes, triangles, uv, owner, node_of),
+            *(self.stretches, self.stretch_ends),
         )
         return with_meridians(joined, np.isin(triangles, self.poles))
 
@@ -203,6 +209,7 @@ class _Collector:
 def _joined(
     heap: Any,
     surfaces: Any,
+    gapes: Any,
     nodes: Any,
     triangles: Any,
     uv: Any,
@@ -253,4 +260,5 @@ def _joined(
         edge_faces=owner[forward // 3],
         edge_curves=curves,
         edge_spans=spans,
+        gapes=gapes,
     )
