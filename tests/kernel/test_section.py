@@ -107,12 +107,7 @@ def test_nist_parts(name: str, planes: int, monkeypatch: pytest.MonkeyPatch):
                 assert away <= max(1e-9, tolerance_of(face))
 
 
-VOLUMES = [
-    pytest.param(name, marks=pytest.mark.long if name == LARGEST else ()) for name in shapes.NIST
-]
-
-
-@pytest.mark.parametrize("name", VOLUMES)
+@pytest.mark.parametrize("name", [name for name in shapes.NIST if name != LARGEST])
 def test_nist_volumes(name: str):
     shape = shapes.nist(name)
     mesh = surface_mesh(shape)
@@ -123,8 +118,8 @@ def test_nist_volumes(name: str):
         ),
         8,
     )
-    # The faces of CTC-02 gape by up to 0.1 mm, by its own word: its volume is not known better.
-    assert found == pytest.approx(volume(shape), rel=5e-5 if "ctc_02" in name else 1e-6)
+    # What holds of CTC-02, whose faces gape, is in test_gapes.py.
+    assert found == pytest.approx(volume(shape), rel=1e-6)
 
 
 CURVED = {

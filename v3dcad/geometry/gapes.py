@@ -6,8 +6,8 @@ come to the edge, or turn back on themselves just before it. What is put right:
 
 * a straight run lies on its face's exact line, with a step to the edge at either end, instead of
   leaning from edge to edge all along;
-* a loop no longer than `REACH` gapes is cut off where the ring crosses itself: there the two
-  faces truly meet;
+* a loop no longer than `REACH` gapes is cut off where the ring crosses itself, or turns back on
+  itself: there the two faces truly meet;
 * a ring that is nowhere wider than a gape is the gap itself, and is left out.
 
 Rings that touch no such face are left alone.
@@ -183,6 +183,12 @@ def _without_loops(path, owner, reach):  # type: ignore[no-untyped-def]
             kept[top, 0], kept[top, 1] = path[here, 0], path[here, 1]
         else:
             kept[top, 0], kept[top, 1] = x, y
+        while top >= 2 and _turns_back(kept, top, reach):
+            if _length(kept, top - 1, top) > _length(kept, top - 2, top - 1):
+                whose[top - 2] = whose[top - 1]
+            top -= 1
+            kept[top, 0], kept[top, 1] = kept[top + 1, 0], kept[top + 1, 1]
+            cut = True
         crossed, at_x, at_y = _first_crossing(kept, top, reach)
         if crossed >= 0:
             # The crossing takes the loop's place; the way on is that of the segment that came.
@@ -226,6 +232,19 @@ def _first_crossing(path, last, reach):  # type: ignore[no-untyped-def]
         if passed + ends <= reach:
             found, at_x, at_y = k, x + share * way_x, y + share * way_y
     return found, at_x, at_y
+
+
+@njit(**INTERNAL)
+def _turns_back(path, last, reach):  # type: ignore[no-untyped-def]
+    """Whether a way comes back to point `last` as it went to the one before: a loop of no width."""
+    x, y = path[last - 1, 0], path[last - 1, 1]
+    from_x, from_y = path[last - 2, 0] - x, path[last - 2, 1] - y
+    to_x, to_y = path[last, 0] - x, path[last, 1] - y
+    shorter, longer = np.hypot(from_x, from_y), np.hypot(to_x, to_y)
+    shorter, longer = min(shorter, longer), max(shorter, longer)
+    if 2 * shorter > reach or from_x * to_x + from_y * to_y <= 0.0:
+        return False
+    return abs(from_x * to_y - from_y * to_x) <= SNAP * longer
 
 
 @njit(**INTERNAL)
