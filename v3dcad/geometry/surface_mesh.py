@@ -101,7 +101,6 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
         return 0.0, 0.0
     pieces = 8
     start = along_edge(heap, surface, curve, span, 0.0)
-    stop = along_edge(heap, surface, curve, span, 1.0)
     best, found = 0.0, 0.0
     before = start[3]
     for piece in range(pieces):
@@ -115,6 +114,7 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
                 else:
                     high = middle
             z = along_edge(heap, surface, curve, span, low)[2]
+            stop = along_edge(heap, surface, curve, span, 1.0)
             rise = min(abs(z - start[2]), abs(z - stop[2]))
             if rise > max(best, NEGLIGIBLE):
                 best, found = rise, low

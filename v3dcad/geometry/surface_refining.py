@@ -53,32 +53,36 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
 
 
 class _Rows:
-    """An array that rows can be added to."""
+    """An array whose rows can be changed, and added to: few of many, one at a time."""
 
     def __init__(self, rows: NDArray[Any]) -> None:
-        self.rows = np.concatenate([rows, np.empty_like(rows[:64])])
+        self.rows = rows
         self.count = len(rows)
+        self.changed: dict[int, Any] = {}
 
     def __getitem__(self, index: int) -> Any:
-        return self.rows[index].tolist()
+        row = self.changed.get(index)
+        return self.rows[index].tolist() if row is None else row
 
     def __setitem__(self, index: int, row: Any) -> None:
-        self.rows[index] = row
+        self.changed[index] = row
 
     def __len__(self) -> int:
         return self.count
 
     def add(self, row: Any) -> int:
         """Append a row; returns its index."""
-        if self.count == len(self.rows):
-            self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
-        self.rows[self.count] = row
+        self.changed[self.count] = row
         self.count += 1
         return self.count - 1
 
     def result(self) -> NDArray[Any]:
         """The array with all its rows."""
-        return self.rows[: self.count]
+        whole = np.empty((self.count, *self.rows.shape[1:]), self.rows.dtype)
+        whole[: len(self.rows)] = self.rows
+        if self.changed:
+            whole[list(self.changed)] = list(self.changed.values())
+        return whole
 
 
 class _Refiner:

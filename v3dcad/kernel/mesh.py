@@ -35,13 +35,13 @@ from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError
 from v3dcad.geometry.critical import critical_points
-from v3dcad.geometry.curves import curve_at
+from v3dcad.geometry.curves import curve_points
 from v3dcad.geometry.gapes import GAPE
 from v3dcad.geometry.mesh_section import pair_sides
 from v3dcad.geometry.poles import with_meridians
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_refining import refined
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surfaces import surface_points
 from v3dcad.kernel.packing import Packer
 
 DEFLECTION = 0.002
@@ -194,11 +194,11 @@ class _Collector:
         inner = np.flatnonzero(node_of < 0)
         node_of[inner] = len(self.nodes) + np.arange(len(inner))
         nodes = np.array(self.nodes + [(0.0, 0.0, 0.0)] * len(inner))
-        for node in np.flatnonzero(np.isnan(nodes[:, 0])):
-            nodes[node] = curve_at(heap, int(nodes[node, 1]), nodes[node, 2])[:3]
-        for corner in inner:
-            place = surfaces[self.corner_face[corner]]
-            nodes[node_of[corner]] = surface_at(heap, place, *uv[corner])[0]
+        on_edge = np.flatnonzero(np.isnan(nodes[:, 0]))
+        curves = nodes[on_edge, 1].astype(np.int64)
+        nodes[on_edge] = curve_points(heap, curves, nodes[on_edge, 2])
+        beneath = surfaces[np.array(self.corner_face, np.int64)[inner]]
+        nodes[node_of[inner]] = surface_points(heap, beneath, uv[inner])
         joined = _joined(
             *(heap, surfaces, np.array(self.gapes), nodes, triangles, uv, owner, node_of),
             *(self.stretches, self.stretch_ends),
