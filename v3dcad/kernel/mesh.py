@@ -43,6 +43,7 @@ from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_refining import refined
 from v3dcad.geometry.surfaces import surface_points
 from v3dcad.kernel.packing import Packer
+from v3dcad.model import Ints
 
 DEFLECTION = 0.002
 """Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
@@ -94,16 +95,18 @@ def _is_inside(face: TopoDS_Face, u: float, v: float) -> bool:
 
 
 class _Collector:
-    """Triangles of face after face. A "corner" is a node of one face's own triangulation."""
+    """Triangles of face after face. A "corner" is a node of one face's own triangulation.
+
+    Numbers are gathered flat: thousands of small tuples would keep Python's garbage collector busy.
+    """
 
     def __init__(self) -> None:
         self.packer = Packer()
         self.faces: list[TopoDS_Face] = []
         self.surfaces: list[int] = []
         self.gapes: list[float] = []
-        self.triangles: list[tuple[int, int, int]] = []
-        self.owner: list[int] = []
-        self.corner_uv: list[tuple[float, float]] = []
+        self.triangles: list[Ints] = []
+        self.corner_uv: list[float] = []
         self.corner_node: list[int] = []
         self.corner_face: list[int] = []
         self.poles: list[int] = []
@@ -132,9 +135,10 @@ class _Collector:
                 f"face {len(self.faces) + 1} cannot be triangulated: "
                 "heal the part where it was made"
             )
-        first = len(self.corner_uv) - 1
+        first = len(self.corner_node) - 1
         count = facets.NbNodes()
-        self.corner_uv += [facets.UVNode(i).Coord() for i in range(1, count + 1)]
+        for i in range(1, count + 1):
+            self.corner_uv += facets.UVNode(i).Coord()
         self.corner_node += [-1] * count
         self.corner_face += [len(self.faces)] * count
         tolerance = 0.0
@@ -143,12 +147,13 @@ class _Collector:
             polygon = BRep_Tool.PolygonOnTriangulation_s(edge, facets, place)
             if polygon is not None:
                 self._add_boundary(edge, polygon, first)
-        order = (0, 2, 1) if face.Orientation() == TopAbs_REVERSED else (0, 1, 2)
-        a, b, c = order
+        corners: list[int] = []
         for i in range(1, facets.NbTriangles() + 1):
-            corners = facets.Triangle(i).Get()
-            self.triangles.append((first + corners[a], first + corners[b], first + corners[c]))
-        self.owner += [len(self.faces)] * facets.NbTriangles()
+            corners += facets.Triangle(i).Get()
+        triangles = np.array(corners, np.int64).reshape(-1, 3) + first
+        if face.Orientation() == TopAbs_REVERSED:
+            triangles = triangles[:, [0, 2, 1]]
+        self.triangles.append(triangles)
         self.faces.append(face)
         self.gapes.append(tolerance if tolerance > GAPE else 0.0)
         self.surfaces.append(self.packer.surface(BRep_Tool.Surface_s(face)))
@@ -187,9 +192,9 @@ class _Collector:
     def mesh(self) -> SurfaceMesh:
         heap = self.packer.heap()
         surfaces = np.array(self.surfaces, np.int64)
-        triangles = np.array(self.triangles, np.int64).reshape(-1, 3)
+        triangles = np.concatenate([np.empty((0, 3), np.int64), *self.triangles])
         uv = np.array(self.corner_uv).reshape(-1, 2)
-        owner = np.array(self.owner, np.int64)
+        owner = np.repeat(np.arange(len(self.faces)), [len(found) for found in self.triangles])
         node_of = np.array(self.corner_node, np.int64)
         inner = np.flatnonzero(node_of < 0)
         node_of[inner] = len(self.nodes) + np.arange(len(inner))
