@@ -103,20 +103,7 @@ def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
                 da * heap[x_axis + axis] + db * heap[y_axis + axis] + dz * heap[z_axis + axis]
             )
         return result
-    # The rest turn a line or circle (reach, rise) about z.
-    radius = heap[place + 13]
-    if kind == CYLINDER:
-        reach, rise, d_reach, d_rise = radius, v, 0.0, 1.0
-    elif kind == CONE:
-        d_reach, d_rise = heap[place + 14], heap[place + 15]
-        reach, rise = radius + v * d_reach, v * d_rise
-    elif kind == SPHERE:
-        reach, rise = radius * np.cos(v), radius * np.sin(v)
-        d_reach, d_rise = -rise, reach
-    else:
-        small = heap[place + 14]
-        d_rise, rise = small * np.cos(v), small * np.sin(v)
-        reach, d_reach = radius + d_rise, -rise
+    reach, rise, d_reach, d_rise = _profile_at(heap, place, v)
     for axis in range(3):
         outward = cosine * heap[x_axis + axis] + sine * heap[y_axis + axis]
         along = cosine * heap[y_axis + axis] - sine * heap[x_axis + axis]
@@ -124,6 +111,43 @@ def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
         result[1, axis] = reach * along
         result[2, axis] = d_reach * outward + d_rise * heap[z_axis + axis]
     return result
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
+    """The line or circle that makes a cylinder, cone, sphere or torus when turned about z: its
+    reach from z, its rise along z, and their slopes.
+    """
+    kind, radius = int(heap[place]), heap[place + 13]
+    if kind == CYLINDER:
+        return radius, v, 0.0, 1.0
+    if kind == CONE:
+        sine, cosine = heap[place + 14], heap[place + 15]
+        return radius + v * sine, v * cosine, sine, cosine
+    if kind == SPHERE:
+        reach, rise = radius * np.cos(v), radius * np.sin(v)
+        return reach, rise, -rise, reach
+    small = heap[place + 14]
+    along, rise = small * np.cos(v), small * np.sin(v)
+    return radius + along, rise, -rise, along
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
+    kind = int(heap[place])
+    if kind < CYLINDER or kind > TORUS:
+        s = surface_at(heap, place, u, v)
+        return s[0, 2], s[1, 2], s[2, 2]
+    reach, rise, d_reach, d_rise = _profile_at(heap, place, v)
+    cosine, sine = np.cos(u), np.sin(u)
+    x_z, y_z, z_z = heap[place + 6], heap[place + 9], heap[place + 12]
+    outward = cosine * x_z + sine * y_z
+    return (
+        heap[place + 3] + reach * outward + rise * z_z,
+        reach * (cosine * y_z - sine * x_z),
+        d_reach * outward + d_rise * z_z,
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
