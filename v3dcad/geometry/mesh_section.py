@@ -79,7 +79,9 @@ def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) 
     first = 0
     for count, crossings in cross_planes(mesh, edges, at_base(heights, mesh.vertices)):
         kept, starts = tidy(crossings.points, crossings.starts)
-        points = crossings.points[kept]
+        points = crossings.points
+        if len(kept) < len(points):
+            points = points[kept]
         rings: list[list[Floats]] = [[] for _ in range(count)]
         for start, stop, plane in zip(starts[:-1], starts[1:], crossings.planes, strict=True):
             if stop > start:
@@ -138,9 +140,10 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     check_heights(heights)
     z = mesh.vertices[:, 2]
     levels = plane_levels(heights, float(z.min(initial=np.inf)))
-    a, b, c = (z[corner] for corner in mesh.triangles.T)
-    begin = np.searchsorted(levels, np.minimum(np.minimum(a, b), c), side="right")
-    end = np.searchsorted(levels, np.maximum(np.maximum(a, b), c), side="right")
+    # A node is above the planes before its rank, and beneath the others.
+    ranks = np.searchsorted(levels, z, side="right")
+    a, b, c = (ranks[corner] for corner in mesh.triangles.T)
+    begin, end = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     planes = len(heights)
     total = np.cumsum(
         np.bincount(begin, minlength=planes + 1) - np.bincount(end, minlength=planes + 1)
@@ -158,7 +161,7 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
                     edges.nodes,
                     edges.of_triangles,
                     heights[first:stop],
-                    levels[first:stop],
+                    ranks - first,
                     np.clip(begin, first, stop) - first,
                     np.clip(end, first, stop) - first,
                     before[first : stop + 1] - before[first],
@@ -192,7 +195,7 @@ def plane_levels(heights: Floats, lowest: float) -> Floats:
 
 
 @njit(cache=True, nogil=True)
-def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end, before):  # type: ignore[no-untyped-def]
+def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end, before):  # type: ignore[no-untyped-def]
     """Cross every triangle with its planes, then link the crossings of each plane into rings."""
     total = before[-1]
     descent = np.empty(total, np.int64)
@@ -200,17 +203,18 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
     crossed = np.empty(total, np.int64)
     level = np.full(total, -1)
     place = before[:-1].copy()
-    corner_z = np.empty(4)
+    corner_z, corner_rank = np.empty(4), np.empty(4, np.int64)
     for triangle in range(len(triangles)):
         for corner in range(4 if begin[triangle] < end[triangle] else 0):
-            corner_z[corner] = vertices[triangles[triangle, corner % 3], 2]
+            node = triangles[triangle, corner % 3]
+            corner_z[corner], corner_rank[corner] = vertices[node, 2], ranks[node]
         for plane in range(begin[triangle], end[triangle]):
             slot = place[plane]
             place[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
                 tail_z, head_z = corner_z[side], corner_z[side + 1]
-                tail_above, head_above = tail_z >= levels[plane], head_z >= levels[plane]
+                tail_above, head_above = corner_rank[side] > plane, corner_rank[side + 1] > plane
                 if tail_above and not head_above:
                     descent[slot] = edge_of[triangle, side]
                 elif head_above and not tail_above:
