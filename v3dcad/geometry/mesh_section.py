@@ -120,7 +120,12 @@ def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]
     """
     way = key * 2 + backward
     order = np.argsort(way)
-    if np.any(np.diff(way[order]) == 0):  # only a stable order is the same everywhere
+    ways = way[order]
+    there, back = ways[::2], ways[1::2]
+    one_by_one = np.array_equal(back, there + 1) and not np.any(there & 1)
+    if one_by_one and np.all(there[1:] > there[:-1]):  # as in a sound mesh: one side either way
+        return order[::2], order[1::2], 0
+    if np.any(np.diff(ways) == 0):  # only a stable order is the same everywhere
         order = np.argsort(way, kind="stable")
     sorted_key, against = key[order], backward[order]
     there, back = order[~against], order[against]
