@@ -177,7 +177,7 @@ def test_a_finer_mesh_shows_no_more_loops(
     mesh = surface_mesh(shape)
     heights = middles(mesh, 100)
     monkeypatch.setattr(kernel_mesh, "DEFLECTION", kernel_mesh.DEFLECTION / 4)
-    monkeypatch.setattr(kernel_mesh, "ANGLE", kernel_mesh.ANGLE / 4)
+    monkeypatch.setattr(kernel_mesh, "ANGLE", kernel_mesh.ANGLE / 2)
     finer = surface_mesh(shape)
     assert name not in CURVED or len(finer.nodes) > len(mesh.nodes)
     for coarse, fine in zip(
