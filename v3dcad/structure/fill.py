@@ -25,7 +25,7 @@ from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
 """Most layers that are computed in one go, and"""
-VERTICES_AT_ONCE = 1 << 18
+VERTICES_AT_ONCE = 1 << 16
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
 
