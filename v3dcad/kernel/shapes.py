@@ -21,6 +21,11 @@ from v3dcad.model import Floats, Placement
 
 SOLID, SHELL, FACE, EDGE = TopAbs_SOLID, TopAbs_SHELL, TopAbs_FACE, TopAbs_EDGE
 
+ACCURACY = 1e-12
+"""Relative error at which OCCT's adaptive integration may stop. Without one it takes a fixed Gauss
+rule for each face: a fillet's volume comes out 2e-6 wrong, a spline loft's 1 %. With 1e-9 it
+stops too early on surfaces of revolution (4e-7)."""
+
 
 def subshapes(shape: TopoDS_Shape, kind: Any, outside: Any = None) -> Iterator[TopoDS_Shape]:
     """Every subshape of a kind, once per occurrence; with `outside`, those in no such shape."""
@@ -58,15 +63,20 @@ def bounds(shape: TopoDS_Shape) -> Floats:
 
 def volume(shape: TopoDS_Shape) -> float:
     """Volume of a shape's solids, mm³."""
+    return measured(shape)[0]
+
+
+def measured(shape: TopoDS_Shape) -> tuple[float, Floats]:
+    """Volume of a shape's solids, mm³, and its centre (3,), mm."""
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
-    return float(properties.Mass())
+    BRepGProp.VolumeProperties_s(shape, properties, ACCURACY)
+    return float(properties.Mass()), np.array(properties.CentreOfMass().Coord())
 
 
 def area(shape: TopoDS_Shape) -> float:
     """Area of a shape's faces, mm²; faces that occur twice count twice."""
     properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
+    BRepGProp.SurfaceProperties_s(shape, properties, ACCURACY)
     return float(properties.Mass())
 
 
