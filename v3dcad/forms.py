@@ -14,7 +14,7 @@ import numpy as np
 
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Floats, Layer, Mesh, Part, Placement
+from v3dcad.model import Floats, Ints, Layer, Mesh, Part, Placement
 
 if TYPE_CHECKING:
     from v3dcad.geometry.facets import Facets
@@ -48,6 +48,13 @@ class Forms:
         """
         raise NotImplementedError
 
+    def sites_at(self, points: Floats) -> Ints:
+        """(k,) numbers of the sites in whose cells points (k, 3), mm, lie, where the source lies.
+
+        Raises `SettingError` as `facets` does.
+        """
+        raise NotImplementedError
+
     def wires(self) -> Any:
         """A compound for each layer: contours on their exact curves, walls as lines."""
         from v3dcad.kernel.shapes import compound
@@ -65,10 +72,26 @@ class Forms:
         return compound(cut_walls(self._solid(), self.facets(), self.placement))
 
     def cells(self) -> list[Any]:
-        """The cells inside the part as solids, neighbours sharing faces; they add up to it."""
+        """The cells inside the part as solids, neighbours sharing faces; they add up to it.
+
+        In the order of their sites, as `cells_by_site` has them.
+        """
+        return [cell for cells in self.cells_by_site().values() for cell in cells]
+
+    def cells_by_site(self) -> dict[int, list[Any]]:
+        """The cells of each site, sites ascending; pieces that the part leaves of one from below.
+
+        Sites are numbered as in `sites`, those born on the way up after them.
+        """
         from v3dcad.kernel.cells import cut_cells
 
-        return cut_cells(self._solid(), self.facets(), self.placement)
+        cells, centres = cut_cells(self._solid(), self.facets(), self.placement)
+        # A cell is convex, and so holds the centre of every piece of it.
+        sites = self.sites_at(centres)
+        found: dict[int, list[Any]] = {}
+        for place in np.lexsort((*centres.T, sites)).tolist():
+            found.setdefault(int(sites[place]), []).append(cells[place])
+        return found
 
     def solid(self, thickness: float, skin: float = 0.0) -> Any:
         """The part with walls of a thickness in place of its inside, and a closed skin if asked."""
@@ -209,7 +232,11 @@ class Forms:
             return (Named(title, bead) for title, bead in self._beads(**sizes))
         if form == "cells":
             _only(sizes, form)
-            return (Named(f"cell {k}", cell, TEAL) for k, cell in enumerate(self.cells()))
+            return (
+                Named(_numbered(site, piece, len(cells)), cell, TEAL)
+                for site, cells in self.cells_by_site().items()
+                for piece, cell in enumerate(cells, start=1)
+            )
         if form not in FORMS:
             raise SettingError("form", f"form {form!r}: give {', '.join(FORMS)}")
         return [Named(form, getattr(self, form)(**sizes), TEAL)]
@@ -260,6 +287,10 @@ class Forms:
 
 def _title(layer: Layer) -> str:
     return f"layer {layer.index} z {layer.z:g}"
+
+
+def _numbered(site: int, piece: int, pieces: int) -> str:
+    return f"cell {site}" if pieces == 1 else f"cell {site}, piece {piece} of {pieces}"
 
 
 def _only(sizes: dict[str, Any], form: str, wanted: str | None = None) -> Any:

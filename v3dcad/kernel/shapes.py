@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -12,6 +13,8 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Trsf
 from OCP.GProp import GProp_GProps
+from OCP.ShapeFix import ShapeFix_Shape
+from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
@@ -78,6 +81,16 @@ def area(shape: TopoDS_Shape) -> float:
     properties = GProp_GProps()
     BRepGProp.SurfaceProperties_s(shape, properties, ACCURACY)
     return float(properties.Mass())
+
+
+def quartered(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """A copy of a shape whose faces of revolution turn by no more than a quarter each."""
+    divided = ShapeUpgrade_ShapeDivideAngle(math.pi / 2, shape)
+    divided.SetPrecision(1e-7)
+    divided.Perform()
+    mended = ShapeFix_Shape(divided.Result())  # which OCCT leaves with faces turned inside out
+    mended.Perform()
+    return mended.Shape()
 
 
 def location(placement: Placement) -> TopLoc_Location:
