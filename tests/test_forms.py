@@ -44,6 +44,38 @@ def test_cells_add_up_and_lie_where_the_part_lies(structure: Structure) -> None:
     assert box[:, 2] == pytest.approx([14, 26], abs=1e-3)  # from the base to the very top
 
 
+def test_cells_are_known_by_their_sites(structure: Structure) -> None:
+    """Between two fine layers a cell's slices make up its volume; a point in one has its site."""
+    cells = structure.cells_by_site()
+    assert list(cells) == sorted(cells)
+    count = len(structure.layers[-1].state.sites)
+    swept = np.zeros(count)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    for z, weight in zip(6 + 6 * nodes, 6 * weights, strict=True):
+        diagram = structure.at(z)
+        swept += weight * diagram.areas(count)
+        for site in diagram.sites().tolist():
+            edges = diagram.edges[(diagram.edge_sites == site).any(axis=1)]
+            middle = diagram.vertices[edges].mean(axis=(0, 1))  # the whole cell is convex
+            at_source = structure.placement.to_source(np.array([[*middle, z]]))
+            assert structure.sites_at(at_source).tolist() == [site]
+    for site in range(count):
+        volume = sum(map(volume_of, cells.get(site, [])))
+        assert volume == pytest.approx(swept[site], rel=0.01, abs=0.5)
+
+
+def test_pieces_of_one_cell_are_named(tmp_path: Path) -> None:
+    apart = Pos(-10, 0, 0) * Box(5, 20, 10) + Pos(10, 0, 0) * Box(5, 20, 10)
+    structure = v3dcad.fill(apart, sites=[(0, -5), (0, 5)], layer_height=1.0, offset=0.0)
+    structure.write_step(tmp_path / "a.step", "cells")
+    named = read_step(tmp_path / "a.step")
+    assert list(named) == [f"cell {site}, piece {k} of 2" for site in (0, 1) for k in (1, 2)]
+    lows = np.array([box_of(shape)[0] for shape in named.values()])
+    assert lows == pytest.approx(
+        np.array([[-12.5, -10, -5], [7.5, -10, -5], [-12.5, 0, -5], [7.5, 0, -5]]), abs=1e-6
+    )
+
+
 def test_layers_are_slices_of_the_faces(structure: Structure) -> None:
     """∫ wall length dz of fine layers = Σ wall area · cos(tilt from vertical)."""
     fine = v3dcad.fill(part(), sites=structure.sites, layer_height=0.05, offset=0.3 * 0.05)
