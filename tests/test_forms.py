@@ -45,7 +45,7 @@ def test_cells_add_up_and_lie_where_the_part_lies(structure: Structure) -> None:
 
 
 def test_cells_are_known_by_their_sites(structure: Structure) -> None:
-    """Between two fine layers a cell's slices make up its volume; a point in one has its site."""
+    """A cell's slices make up its volume; points left and right of a wall have its two sites."""
     cells = structure.cells_by_site()
     assert list(cells) == sorted(cells)
     count = len(structure.layers[-1].state.sites)
@@ -54,18 +54,22 @@ def test_cells_are_known_by_their_sites(structure: Structure) -> None:
     for z, weight in zip(6 + 6 * nodes, 6 * weights, strict=True):
         diagram = structure.at(z)
         swept += weight * diagram.areas(count)
-        for site in diagram.sites().tolist():
-            edges = diagram.edges[(diagram.edge_sites == site).any(axis=1)]
-            middle = diagram.vertices[edges].mean(axis=(0, 1))  # the whole cell is convex
-            at_source = structure.placement.to_source(np.array([[*middle, z]]))
-            assert structure.sites_at(at_source).tolist() == [site]
+        walls = diagram.inner() & (diagram.lengths() > 1e-3)
+        ends = diagram.vertices[diagram.edges[walls]]
+        left = (ends[:, 1] - ends[:, 0]) @ [[0, 1], [-1, 0]]
+        for side, beside in ((1, left), (0, -left)):
+            points = ends.mean(axis=1) + 1e-6 * beside / np.hypot(*left.T)[:, None]
+            at_source = np.column_stack([points, np.full(len(points), z)])
+            at_source = structure.placement.to_source(at_source)
+            expected = diagram.edge_sites[walls, side]
+            assert structure.sites_at(at_source).tolist() == expected.tolist()
     for site in range(count):
         volume = sum(map(volume_of, cells.get(site, [])))
         assert volume == pytest.approx(swept[site], rel=0.01, abs=0.5)
 
 
 def test_pieces_of_one_cell_are_named(tmp_path: Path) -> None:
-    apart = Pos(-10, 0, 0) * Box(5, 20, 10) + Pos(10, 0, 0) * Box(5, 20, 10)
+    apart = Pos(10, 0, 0) * Box(5, 20, 10) + Pos(-10, 0, 0) * Box(5, 20, 10)
     structure = v3dcad.fill(apart, sites=[(0, -5), (0, 5)], layer_height=1.0, offset=0.0)
     structure.write_step(tmp_path / "a.step", "cells")
     named = read_step(tmp_path / "a.step")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from build123d import (
     Sphere,
     Spline,
     Torus,
+    export_step,
     fillet,
     make_face,
     offset,
@@ -185,12 +187,15 @@ def test_cells_of_round_parts_add_up_and_are_sound(name: str) -> None:
     assert is_valid(structure.faces())
 
 
-def test_quarters_of_round_faces_where_curves_are_fitted_badly() -> None:
-    """This wall's curve on the torus comes out as chords, 1e-4 mm off; 8e-8 of the volume."""
-    structure = v3dcad.fill(Torus(25, 8), sites=30, random_seed=1)
+@pytest.mark.parametrize(("name", "seed"), [("torus", 1), ("knob", 0)])
+def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> None:
+    """A wall's curve on the torus comes out as chords, 1e-4 mm off, and 5e-8 of the volume."""
+    part = ROUND[name][0]()
+    export_step(part, tmp_path / "part.step")
+    structure = v3dcad.fill(tmp_path / "part.step", sites=30, random_seed=seed)
     cells = structure.cells()
     assert all(map(is_valid, cells))
-    assert sum(map(volume_of, cells)) == pytest.approx(ROUND["torus"][1], rel=1e-8)
+    assert sum(map(volume_of, cells)) == pytest.approx(volume_of(part.wrapped), rel=1e-8)
 
 
 def test_walls_with_welded_corners_are_sound() -> None:
