@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from build123d import Axis, Box, Cylinder, Pos, fillet
+from build123d import Axis, Box, Cylinder, Pos, Rot, fillet
 from lib3mf import Lib3MF
 from occt import area_of, box_of, is_valid, length_of, read_step, solids_of, volume_of
 from OCP.BRep import BRep_Builder
@@ -174,6 +174,33 @@ def test_thick_walls_as_mesh_and_solid_agree(structure: Structure, tmp_path: Pat
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(volume_of(structure.solid(1.0)), rel=2e-3)
     assert mesh.bounds == pytest.approx(box_of(structure.solid(1.0)), abs=1e-3)
+
+
+def test_meshes_of_a_turned_part(tmp_path: Path) -> None:
+    """Its faces carry motions of their own: nodes are shared by edge, not by coordinates."""
+    body = fillet(Box(20, 20, 20).edges().filter_by(Axis.X), 4) - Cylinder(4, 60)
+    turned = Rot(20, 35, 10) * body
+    structure = v3dcad.fill(turned, sites=8, layer_height=1.0, offset=0.2)
+    assert mesh_volume(structure.part.mesh()) == pytest.approx(turned.volume, rel=5e-3)
+    assert mesh_volume(structure.solid_mesh(1.0)) == pytest.approx(
+        volume_of(structure.solid(1.0)), rel=5e-3
+    )
+
+
+def test_struts_cut_to_the_part_as_a_mesh(structure: Structure, tmp_path: Path) -> None:
+    """What the part's planes, holes and fillets cut off is gone."""
+    whole, cut = structure.strut_mesh(1.5), structure.strut_mesh(1.5, cut=True)
+    assert mesh_volume(cut) < 0.9 * mesh_volume(whole)
+    assert whole.vertices[:, 2].min() < 13.9
+    assert cut.vertices[:, 2].min() == pytest.approx(14, abs=1e-6)
+    assert cut.vertices[:, 2].max() == pytest.approx(26, abs=1e-6)
+    structure.write_stl(tmp_path / "a.stl", "struts", diameter=1.5, cut=True)
+    mesh = trimesh.load(tmp_path / "a.stl")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(mesh_volume(cut), rel=1e-4)
+    few = v3dcad.fill(Box(20, 20, 10), sites=6, layer_height=1.0, offset=0.2)
+    exact = volume_of(few.struts(1.5, fuse=True, cut=True))
+    assert mesh_volume(few.strut_mesh(1.5, cut=True)) == pytest.approx(exact, rel=0.06)
 
 
 def test_triangles_have_thick_walls_too(samples: Path, tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ class Forms:
         """
         raise NotImplementedError
 
-    def sites_at(self, points: Floats) -> Ints:
+    def sites_at(self, points: Floats | Sequence[Sequence[float]]) -> Ints:
         """(k,) numbers of the sites in whose cells points (k, 3), mm, lie, where the source lies.
 
         Raises `SettingError` as `facets` does.
@@ -121,11 +121,16 @@ class Forms:
 
         return compound(bead for _, bead in self._beads(width, profile))
 
-    def strut_mesh(self, diameter: float) -> Mesh:
-        """The struts and their joints united, as a closed mesh where the source lies."""
-        from v3dcad.geometry.bars import bar_mesh
+    def strut_mesh(self, diameter: float, *, cut: bool = False) -> Mesh:
+        """The struts and their joints united, as a closed mesh where the source lies.
 
-        return bar_mesh(*self._axes(), diameter)
+        They reach over the part's surface unless they are `cut` to the part.
+        """
+        from v3dcad.geometry.bars import bar_mesh
+        from v3dcad.geometry.mesh_union import intersected
+
+        mesh = bar_mesh(*self._axes(), diameter)
+        return intersected(mesh, self._at_source(self.part.mesh())) if cut else mesh
 
     def solid_mesh(self, thickness: float) -> Mesh:
         """The part with walls of a thickness as a closed mesh; of triangles too."""
@@ -176,7 +181,7 @@ class Forms:
         """Write a mesh of `MESHES` as STL.
 
         "walls" are upright strips without thickness, as in the thesis; "solid" (thickness),
-        "struts" (diameter) and "beads" (width) are united and closed.
+        "struts" (diameter, cut) and "beads" (width) are united and closed.
         """
         from v3dcad.formats.stl import ascii_stl, binary_stl
 
@@ -250,7 +255,8 @@ class Forms:
         if form == "solid":
             return self.solid_mesh(_only(sizes, form, "thickness"))
         if form == "struts":
-            return self.strut_mesh(_only(sizes, form, "diameter"))
+            cut = sizes.pop("cut", False)
+            return self.strut_mesh(_only(sizes, form, "diameter"), cut=cut)
         if form == "beads":
             return self.bead_mesh(_only(sizes, form, "width"))
         raise SettingError("form", f"form {form!r}: give {', '.join(MESHES)}")

@@ -77,14 +77,16 @@ class Structure(Forms):
         (section,) = self.part.sections(np.array([z]), self.settings.chord_tolerance)
         return self.filling.at(z, section)
 
-    def sites_at(self, points: Floats) -> Ints:
+    def sites_at(self, points: Floats | Sequence[Sequence[float]]) -> Ints:
         """(k,) numbers of the sites in whose cells points (k, 3), mm, lie, where the source lies.
 
         Raises `SettingError` for the thesis's method, as `faces` does.
         """
         if not isinstance(self.filling, Filling):
             return self.filling.walls  # which says why there are none
-        return self.filling.sites_at(self.placement.to_bed(np.reshape(points, (-1, 3))))
+        return self.filling.sites_at(
+            self.placement.to_bed(np.reshape(np.asarray(points, np.float64), (-1, 3)))
+        )
 
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
         """The certificate: how every layer rests on the one below."""
