@@ -187,7 +187,7 @@ def test_cells_of_round_parts_add_up_and_are_sound(name: str) -> None:
     assert is_valid(structure.faces())
 
 
-@pytest.mark.parametrize(("name", "seed"), [("torus", 1), ("knob", 0)])
+@pytest.mark.parametrize(("name", "seed"), [("torus", 3), ("knob", 3)])
 def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> None:
     """A wall's curve on the torus comes out as chords, 1e-4 mm off, and 5e-8 of the volume."""
     part = ROUND[name][0]()
@@ -201,7 +201,7 @@ def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> No
 def test_walls_with_welded_corners_are_sound() -> None:
     """Corners at events are equal but for rounding, and so lie a bit off their walls' planes."""
     part = offset(Box(50, 40, 30), -5, openings=Box(50, 40, 30).faces().sort_by(Axis.Z)[-1:])
-    structure = v3dcad.fill(part, sites=30, layer_height=0.4, offset="auto")
+    structure = v3dcad.fill(part, sites=30, layer_height=0.4, random_seed=9)
     assert structure.facets().slack.max() > 1e-7
     assert all(map(is_valid, structure.cells()))
     assert is_valid(structure.faces())
