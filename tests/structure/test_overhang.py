@@ -34,13 +34,21 @@ def sampled(layer: Layer, below: Layer) -> Floats:
     return shapely.distance(lines, shapely.points(points))[shapely.contains_xy(area, points)]
 
 
-@settings(max_examples=12)
-@given(st.integers(6, 40), st.integers(0, 1000), st.floats(0.05, 2), st.floats(0.9, 1.1))
+@settings(max_examples=20)
+@given(
+    st.integers(2, 40),
+    st.integers(0, 1000),
+    st.floats(0.05, 2),
+    st.floats(0.9, 1.1),
+    st.sampled_from([(20, 0), (3, 20), (0.5, 0), (0.5, 20), (0.5, 200)]),
+)
 def test_no_wall_is_farther_than_the_certificate_says(
-    count: int, seed: int, offset: float, scale: float
+    count: int, seed: int, offset: float, scale: float, place: tuple[float, float]
 ) -> None:
-    sites = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
-    sections = [Section(0.2 * k, (SQUARE * scale**k, HOLE * scale**k)) for k in range(5)]
+    """Sites all over the section or all in its middle, layers from the base or high above it."""
+    reach, base = place
+    sites = np.random.default_rng(seed).uniform(-reach, reach, (count, 2)) + [8, 0]
+    sections = [Section(base + 0.2 * k, (SQUARE * scale**k, HOLE * scale**k)) for k in range(5)]
     layers = list(
         fill_sections(sections, sites, FillSettings(offset=offset, max_overhang=90.0)).layers
     )
@@ -86,6 +94,19 @@ def test_walls_beyond_the_section_below_are_told_apart() -> None:
     assert certificate.outside.tolist() == pytest.approx([0, 20])
     assert certificate.distance[1] == 0
     assert certificate.unsupported[1] == 0
+
+
+def test_over_nothing_all_walls_are_outside() -> None:
+    sites = np.random.default_rng(0).uniform(-20, 20, (40, 2))
+    sections = [Section(0.0, (SQUARE,)), Section(0.2, ()), Section(0.4, (SQUARE,))]
+    layers = fill_sections(sections, sites, FillSettings()).layers
+    certificate = overhang(layers, 0.8)
+    diagram = layers[2].diagram
+    walls = diagram.lengths()[diagram.inner()].sum()
+    assert walls > 400
+    assert certificate.outside.tolist() == pytest.approx([0, 0, walls])
+    assert not certificate.distance.any()
+    assert not certificate.unsupported.any()
 
 
 @given(st.integers(6, 40), st.integers(0, 1000), st.floats(20, 80))
