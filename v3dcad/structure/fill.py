@@ -11,14 +11,14 @@ from functools import cached_property
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
+from v3dcad.geometry.grid import Grid, curve_order
 from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, Timed, times_of
-from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.growth import growing, rounded_down, settled_offset
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
@@ -150,24 +150,23 @@ class Filling:
         still = np.zeros(len(places), np.int64)
         pairs = neighbour_pairs(triangulation(places[order], still), order)
         grows = growing(len(places), spanning_tree(places, pairs))
-        offset = settled_offset(settings, grid.millimetres(places), grows)
+        self._heights = np.array([section.z for section in sections], np.float64)
+        layers = np.abs(self._heights).max(initial=0.0) / settings.layer_height
+        safe = grid.heaviest / layers if layers else math.inf
+        offset = settled_offset(settings, grid.millimetres(places), grows, safe)
+        if offset > safe:
+            raise GeometryError(
+                f"--offset {offset:g} takes its weight beyond the safe range of "
+                f"{grid.heaviest:g} mm²; at most {rounded_down(safe)} does not",
+                site=int(np.argmax(grows)),
+            )
         self.settings = replace(settings, offset=offset)
         """the settings, with the offset that "auto" stands for"""
         self.growth_step = offset / settings.layer_height
         """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         always = np.full(len(places), ALWAYS)
         self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
-        self._heights = np.array([section.z for section in sections], np.float64)
         self._passed: Course | None = None
-        if (
-            len(sections)
-            and np.abs(times_of(self._heights, self.growth_step, grid)).max() > HEAVIEST
-        ):
-            raise GeometryError(
-                f"a weight of {self.growth_step * self._heights[-1]:g} mm² on the last layer is "
-                f"beyond the safe range of {16 * grid.size**2:g} mm²: lower the offset",
-                site=int(np.argmax(grows)),
-            )
 
     @property
     def layers(self) -> Layers:

@@ -116,7 +116,9 @@ class ThesisFilling:
         pairs = all_neighbours(places, np.zeros(len(places), np.int64))
         self.grows = growing(len(places), spanning_tree(places, pairs))
         """(n,) which of them grow: odd levels of the tree of the whole diagram"""
-        self.offset = settled_offset(settings, self.sites, self.grows)
+        self.offset = settled_offset(
+            settings, self.sites, self.grows, grid.heaviest / (len(sections) + 1)
+        )
         """mm² a layer"""
         self.settings = replace(settings, offset=self.offset)
         """the settings, with the offset that "auto" stands for"""
