@@ -15,10 +15,9 @@ def area_of(section):
     return shapely.build_area(shapely.multilinestrings(rings))
 
 
-def power_edges(sites, weights):
-    """Pairs (m, 2) and edges (m, 2, 2) of a whole power diagram: the lifted sites' lower hull.
-
-    Four far sites keep the edges finite.
+def _lower_hull(sites, weights):
+    """Triangles (t, 3) of the lifted sites' lower hull, their vertices (t, 2), and the triangles
+    across their sides (t, 3). Four far sites, the last ones, keep all vertices finite.
     """
     centre, size = sites.mean(axis=0), np.ptp(sites, axis=0).max() + np.sqrt(np.ptp(weights)) + 1e-9
     far = centre + 50 * size * np.array([[-1.0, -1.1], [1.2, -1.0], [1.0, 1.3], [-1.1, 1.0]])
@@ -28,17 +27,34 @@ def power_edges(sites, weights):
     lower = np.nonzero(hull.equations[:, 2] < 0)[0]
     number = np.full(len(hull.simplices), -1)
     number[lower] = np.arange(len(lower))
-    corners, normal = hull.simplices[lower], hull.equations[lower]
+    normal = hull.equations[lower]
     vertices = centre - normal[:, :2] / (2 * normal[:, 2:3])
-    across = number[hull.neighbors[lower]]
+    return hull.simplices[lower], vertices, number[hull.neighbors[lower]]
+
+
+def power_edges(sites, weights):
+    """Pairs (m, 2) and edges (m, 2, 2) of a whole power diagram."""
+    corners, vertices, across = _lower_hull(sites, weights)
     pairs, edges = [], []
     for k in range(3):
-        own = np.nonzero(across[:, k] > np.arange(len(lower)))[0]
+        own = np.nonzero(across[:, k] > np.arange(len(corners)))[0]
         pairs.append(np.sort(corners[own][:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
         edges.append(np.stack([vertices[own], vertices[across[own, k]]], axis=1))
     pairs, edges = np.concatenate(pairs), np.concatenate(edges)
     inner = pairs[:, 1] < len(sites)
     return pairs[inner], edges[inner]
+
+
+def holes(sites, weights, section):
+    """Triangles (h, 3) of sites whose cells meet inside a section, and the holes' sizes (h,), the
+    power of the meeting points.
+    """
+    corners, vertices, _ = _lower_hull(sites, weights)
+    real = (corners < len(sites)).all(axis=1)
+    real &= shapely.contains_xy(area_of(section), vertices)
+    corners, vertices = corners[real], vertices[real]
+    own = corners[:, 0]
+    return corners, ((vertices - sites[own]) ** 2).sum(axis=1) - weights[own]
 
 
 def cut_edges(sites, weights, section):

@@ -173,9 +173,7 @@ def test_the_value_that_a_refusal_names_is_accepted(
     assert float(named) > 0
     fill_sections(sections, sites, FillSettings(offset=float(named), **given_settings))
     with pytest.raises((SettingError, GeometryError)):
-        fill_sections(
-            sections, sites, FillSettings(offset=1.0001 * float(named), **given_settings)
-        )
+        fill_sections(sections, sites, FillSettings(offset=1.0001 * float(named), **given_settings))
 
 
 def test_ninety_degrees_or_one_kind_of_site_set_no_limit() -> None:
