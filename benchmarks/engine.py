@@ -1,8 +1,8 @@
 """The engine against qhull and GEOS, in one run: `python -m benchmarks.engine [--quick]`.
 
-Ratios count; milliseconds depend on the machine. The slow side is tests/oracle.py: lifted qhull,
-prepared shapely, scipy's spanning tree of the engine's own sites and weights; it neither counts
-cells, gives births nor splits the rings, so that ratios are rather too low. Processor time is
+Ratios count; milliseconds depend on the machine. The slow side is tests/oracle.py, given the
+engine's own sites and weights: lifted qhull, edges, cells and contours cut by prepared shapely,
+scipy's spanning tree. It gives no births, so that ratios are rather too low. Processor time is
 compared, so that a busy machine does not blur it. Where there are many layers and sites, the slow
 side is extrapolated from some 50 layers. The offsets are beyond what --max-overhang allows by
 itself: 90° lifts it.

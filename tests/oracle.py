@@ -15,9 +15,11 @@ def area_of(section):
     return shapely.build_area(shapely.multilinestrings(rings))
 
 
-def _lower_hull(sites, weights):
-    """Triangles (t, 3) of the lifted sites' lower hull, their vertices (t, 2), and the triangles
-    across their sides (t, 3). Four far sites, the last ones, keep all vertices finite.
+def power_diagram(sites, weights):
+    """A whole power diagram by the lifted sites' lower hull: triangles (t, 3) of sites, their
+    vertices (t, 2), and the triangles (t, 3) across.
+
+    Four far sites, the last, keep the cells finite.
     """
     centre, size = sites.mean(axis=0), np.ptp(sites, axis=0).max() + np.sqrt(np.ptp(weights)) + 1e-9
     far = centre + 50 * size * np.array([[-1.0, -1.1], [1.2, -1.0], [1.0, 1.3], [-1.1, 1.0]])
@@ -27,47 +29,69 @@ def _lower_hull(sites, weights):
     lower = np.nonzero(hull.equations[:, 2] < 0)[0]
     number = np.full(len(hull.simplices), -1)
     number[lower] = np.arange(len(lower))
-    normal = hull.equations[lower]
+    corners, normal = hull.simplices[lower], hull.equations[lower]
     vertices = centre - normal[:, :2] / (2 * normal[:, 2:3])
-    return hull.simplices[lower], vertices, number[hull.neighbors[lower]]
+    return corners, vertices, number[hull.neighbors[lower]]
 
 
-def power_edges(sites, weights):
-    """Pairs (m, 2) and edges (m, 2, 2) of a whole power diagram."""
-    corners, vertices, across = _lower_hull(sites, weights)
+def power_edges(count, corners, vertices, across):
+    """Pairs (m, 2) of `count` sites and edges (m, 2, 2) of a whole power diagram."""
     pairs, edges = [], []
     for k in range(3):
         own = np.nonzero(across[:, k] > np.arange(len(corners)))[0]
         pairs.append(np.sort(corners[own][:, [(k + 1) % 3, (k + 2) % 3]], axis=1))
         edges.append(np.stack([vertices[own], vertices[across[own, k]]], axis=1))
     pairs, edges = np.concatenate(pairs), np.concatenate(edges)
-    inner = pairs[:, 1] < len(sites)
+    inner = pairs[:, 1] < count
     return pairs[inner], edges[inner]
 
 
-def holes(sites, weights, section):
-    """Triangles (h, 3) of sites whose cells meet inside a section, and the holes' sizes (h,), the
+def power_cells(count, corners, vertices):
+    """The cells of `count` sites in a whole power diagram, as shapely areas: of those that have
+    one, in their order.
+    """
+    owner, place = corners.ravel(), np.repeat(np.arange(len(corners)), 3)
+    place, owner = place[owner < count], owner[owner < count]
+    corner_count = np.bincount(owner, minlength=count)
+    middle = np.column_stack(
+        [
+            np.bincount(owner, vertices[place, k], count) / np.maximum(corner_count, 1)
+            for k in (0, 1)
+        ]
+    )
+    way = vertices[place] - middle[owner]
+    order = np.lexsort([np.arctan2(way[:, 1], way[:, 0]), owner])
+    number = np.unique(owner[order], return_inverse=True)[1]
+    return shapely.polygons(shapely.linearrings(vertices[place[order]], indices=number))
+
+
+def holes(sites, weights, area):
+    """Triangles (h, 3) of sites whose cells meet inside an area, and the holes' sizes (h,), the
     power of the meeting points.
     """
-    corners, vertices, _ = _lower_hull(sites, weights)
-    real = (corners < len(sites)).all(axis=1)
-    real &= shapely.contains_xy(area_of(section), vertices)
-    corners, vertices = corners[real], vertices[real]
+    corners, vertices, _ = power_diagram(sites, weights)
+    inside = (corners < len(sites)).all(axis=1) & shapely.contains_xy(area, vertices)
+    corners, vertices = corners[inside], vertices[inside]
     own = corners[:, 0]
     return corners, ((vertices - sites[own]) ** 2).sum(axis=1) - weights[own]
 
 
-def cut_edges(sites, weights, section):
-    """Neighbours (m, 2) and their edges inside a section, as shapely lines."""
-    area = area_of(section)
-    shapely.prepare(area)
-    pairs, edges = power_edges(sites, weights)
+def cut_edges(area, pairs, edges):
+    """Neighbours (m, 2) and their edges inside a prepared area, as shapely lines."""
     lines = shapely.linestrings(edges)
     whole = shapely.contains_properly(area, lines)
     cut = np.where(whole, lines, None)
     cut[~whole] = shapely.intersection(area, lines[~whole])
     kept = shapely.length(cut) > 0
     return pairs[kept], cut[kept]
+
+
+def cut_cells(area, cells):
+    """How many cells have a part inside a prepared area, and what each has of its contour."""
+    crossed = cells[~shapely.contains_properly(area, cells)]
+    parts = shapely.area(shapely.intersection(area, crossed))
+    contours = shapely.intersection(shapely.boundary(area), crossed)
+    return len(cells) - int((parts == 0).sum()), contours
 
 
 def spanning_tree(sites, pairs):
@@ -79,9 +103,16 @@ def spanning_tree(sites, pairs):
 
 
 def layer(sites, weights, section):
-    """What the engine makes of a layer, the slow way: neighbours, edges, tree."""
-    pairs, lines = cut_edges(sites, weights, section)
-    return pairs, shapely.get_coordinates(lines), spanning_tree(sites, pairs)
+    """What the engine makes of a layer, the slow way: neighbours, edges, tree, how many cells
+    there are, and whose contour is which.
+    """
+    area = area_of(section)
+    shapely.prepare(area)
+    corners, vertices, across = power_diagram(sites, weights)
+    pairs, edges = power_edges(len(sites), corners, vertices, across)
+    pairs, lines = cut_edges(area, pairs, edges)
+    count, contours = cut_cells(area, power_cells(len(sites), corners, vertices))
+    return pairs, lines, spanning_tree(sites, pairs), count, contours
 
 
 def cells(sites, weights, section):

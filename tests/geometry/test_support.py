@@ -5,7 +5,7 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
-from oracle import power_edges
+from oracle import power_diagram, power_edges
 
 from v3dcad.geometry.support import distance_to_walls
 
@@ -35,7 +35,7 @@ def test_against_sampled_distances_of_shapely(count: int, seed: int, spread: flo
     random = np.random.default_rng(seed)
     sites = random.uniform(-50, 50, (count, 2))
     weights = random.uniform(0, spread, count)
-    pairs, edges = power_edges(sites, weights)
+    pairs, edges = power_edges(len(sites), *power_diagram(sites, weights))
     walls = shapely.multilinestrings(list(edges))
     segments = random.uniform(-50, 50, (6, 2, 2))
     hints = random.choice(np.unique(pairs), 6)

@@ -5,17 +5,13 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.agenda import STRUTS, with_log
+from v3dcad.geometry.flips import NOTHING, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import STEPS, Grid, curve_order
-from v3dcad.geometry.kinetics import STRUTS, advance, motion_of, with_log
+from v3dcad.geometry.kinetics import advance, motion_of
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.triangulation import (
-    NOTHING,
-    SENTINELS,
-    TRIANGLES,
-    irregular_edges,
-    triangulation,
-)
+from v3dcad.geometry.triangulation import irregular_edges, neighbour_pairs, triangulation
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -60,6 +56,18 @@ def test_every_orthocircle_is_empty(given_sites):
             rows = [[lifted[p][k] - lifted[d][k] for k in range(3)] for p in (a, b, c)]
             (p, q, r), (s, t, u), (v, w, x) = rows
             assert p * (t * x - u * w) - q * (s * x - u * v) + r * (s * w - t * v) <= 0
+
+
+@given(weighted())
+def test_neighbours_are_the_sides_of_the_triangles(given_sites):
+    """And of no triangle that was there before a site was hidden."""
+    sites, weights = given_sites
+    mesh = triangulation(sites, weights)
+    sides = triangles(mesh)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2) - SENTINELS
+    expected = {tuple(sorted(side)) for side in sides.tolist() if min(side) >= 0}
+    found = neighbour_pairs(mesh, np.arange(len(sites))).tolist()
+    assert len(found) == len(expected)
+    assert set(map(tuple, found)) == expected
 
 
 @given(weighted(), st.integers(0, 10**6))

@@ -6,16 +6,18 @@ from collections.abc import Callable
 
 import numpy as np
 from OCP.BRep import BRep_Tool
-from OCP.BRepGProp import BRepGProp
+from OCP.BRepAdaptor import BRepAdaptor_Curve
+from OCP.BRepGProp import BRepGProp, BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
+from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
-from OCP.TopAbs import TopAbs_VERTEX
+from OCP.TopAbs import TopAbs_REVERSED, TopAbs_VERTEX
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from tests.parts import ring_area
 from v3dcad.geometry.critical import critical_points
 from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
 from v3dcad.geometry.surfaces import surface_at
-from v3dcad.kernel.shapes import FACE, bounds, subshapes
+from v3dcad.kernel.shapes import EDGE, FACE, bounds, subshapes
 from v3dcad.model import Floats, Section
 
 
@@ -76,3 +78,42 @@ def volume(shape: TopoDS_Shape) -> float:
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, properties, 1e-9)
     return properties.Mass()
+
+
+def face_volume(shape: TopoDS_Shape, apex: Floats) -> float:
+    """OCCT's volume of the cones from a point (3,) over a shape's faces, mm³.
+
+    That is the shape's volume wherever the point lies, if the faces close.
+    """
+    total = 0.0
+    for face in map(TopoDS.Face_s, subshapes(shape, FACE)):
+        cones = BRepGProp_Vinert()
+        cones.SetLocation(gp_Pnt(*apex.tolist()))
+        cones.Perform(BRepGProp_Face(face), BRepGProp_Domain(face), 1e-9)
+        total += cones.Mass()
+    return total
+
+
+def closed_volume(shape: TopoDS_Shape, apex: Floats, pieces: int = 256) -> float:
+    """`face_volume` with strips between each face's boundary and the edges' own curves."""
+    total = face_volume(shape, apex)
+    for face in map(TopoDS.Face_s, subshapes(shape, FACE)):
+        surface = BRep_Tool.Surface_s(face)
+        for edge in map(TopoDS.Edge_s, subshapes(face, EDGE)):
+            if BRep_Tool.Degenerated_s(edge):
+                continue
+            ends = BRepAdaptor_Curve(edge)
+            at = np.linspace(ends.FirstParameter(), ends.LastParameter(), pieces + 1)
+            if edge.Orientation() == TopAbs_REVERSED:
+                at = at[::-1]
+            flat = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)
+            own = BRep_Tool.Curve_s(edge, 0.0, 0.0)
+            on_face = [surface.Value(*flat.Value(t).Coord()).Coord() for t in at.tolist()]
+            inner = np.array(on_face) - apex
+            outer = np.array([own.Value(t).Coord() for t in at.tolist()]) - apex
+            for a, b, c in (
+                (inner[1:], inner[:-1], outer[:-1]),
+                (inner[1:], outer[:-1], outer[1:]),
+            ):
+                total += float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+    return total

@@ -1,119 +1,95 @@
-"""Births by the law that docs and issue state, worked out from qhull's diagrams, layer by layer."""
+"""Births where holes tie: what climbs from layer to layer stays what each layer is by itself."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-import shapely
+from hypothesis import given
+from hypothesis import strategies as st
 
-from tests import oracle
-from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.model import Floats, Layer
-from v3dcad.structure.fill import Filling
-from v3dcad.structure.overhang import overhang
-from v3dcad.structure.sites import scatter_sites
+from v3dcad import FillSettings, GeometryError, Section, fill_sections
+from v3dcad.model import Floats
 
-SQUARE = np.array([[0.0, 0], [30, 0], [30, 30], [0, 30]])
-HOLE = np.array([[12.0, 12], [12, 17], [18, 18], [17, 12]])
+BLOCK = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
 
 
-def structure(count: int, seed: int, limit: float, rings: tuple[Floats, ...]) -> Filling:
-    sites = scatter_sites(np.array([[0.0, 0], [30, 30]]), count, seed)
-    sections = [Section(0.5 * k, rings) for k in range(90)]
-    filling = fill_sections(sections, sites, FillSettings(max_overhang=limit, layer_height=0.5))
-    assert isinstance(filling, Filling)
-    return filling
+def block(layers: int) -> list[Section]:
+    return [Section(0.2 * layer, (BLOCK,)) for layer in range(layers)]
 
 
-class Below:
-    """A layer as it would be without its newborns, and what the law says of them.
-
-    As many as bring area per cell back to `full_cell`, mm²; the largest hole first; at the
-    centroid of its three sites, as fast as the fastest of them, one step faster where all are
-    equal; so far from other cells' sites that no wall leans beyond the limit. Newborns are parents
-    once they have gained a whole cell of weight.
-    """
-
-    def __init__(self, filling: Filling, layer: Layer, present: int, full_cell: float) -> None:
-        state, section, step = layer.state, layer.section, filling.growth_step
-        self.sites, weights = state.sites[:present], state.weights[:present]
-        self.growth = np.rint(state.growth[:present] / step)
-        self.reach = step / (2 * np.tan(np.radians(filling.settings.max_overhang)))
-        self.inside = np.unique(oracle.cut_edges(self.sites, weights, section)[0])
-        self.anywhere = np.unique(oracle.power_edges(self.sites, weights)[0])
-        area = oracle.area_of(section).area
-        self.wanted = max(0, int(np.ceil(area / full_cell - 1e-9)) - len(self.inside))
-        born_at = state.born_at[:present]
-        gained = self.growth * step * (layer.z - born_at)
-        ripe = (born_at == 0) | (gained >= full_cell)
-        self.parents, self.sizes = oracle.holes(self.sites, weights, section)
-        self.ripe = ripe[self.parents].all(axis=1)
-        self.places = self.sites[self.parents].mean(axis=1)
-        growth = self.growth[self.parents]
-        self.fast = growth.max(axis=1) + (growth.min(axis=1) == growth.max(axis=1))
-
-    def room(self, others: Floats, growth: Floats) -> Floats:
-        """(holes,) mm by which each hole's newborn is farther from others than it must be."""
-        apart = np.hypot(*(self.places[:, None] - others).transpose(2, 0, 1))
-        must = self.reach * np.abs(self.fast[:, None] - growth)
-        return np.asarray((apart - must).min(axis=1, initial=np.inf))
+def lattice(count: int, pitch: float, skew: float) -> Floats:
+    """Rows of sites, every second one moved: all holes of a row are as large."""
+    row, column = np.divmod(np.arange(count * count), count)
+    middle = (count - 1) / 2
+    shifted = column - middle + skew * (row % 2)
+    return np.column_stack([shifted, 0.875 * (row - middle)]) * pitch
 
 
-@pytest.mark.parametrize(
-    ("count", "seed", "limit", "rings"),
-    [(40, 1, 45.0, (SQUARE,)), (70, 2, 45.0, (SQUARE, HOLE)), (25, 3, 20.0, (SQUARE, HOLE))],
-)
-def test_births_are_those_of_the_law(
-    count: int, seed: int, limit: float, rings: tuple[Floats, ...]
-) -> None:
-    """A hole once without room may be passed over later, too, as long as its sites are the same."""
-    filling = structure(count, seed, limit, rings)
+def scatter(seed: int) -> Floats:
+    rng = np.random.default_rng(seed)
+    return rng.uniform(-20, 20, (int(rng.integers(20, 80)), 2))
+
+
+CASES = [
+    (lattice(10, 4.0, 0.5), 3.2),
+    (lattice(7, 5.5, 0.5), 0.7),
+    (lattice(6, 6.0, 0.0), 4.0),
+    (scatter(71), 17.78729178849272),
+    (scatter(90), 5.652906300209881),
+]
+
+
+@pytest.mark.parametrize(("sites", "offset"), CASES)
+def test_layers_with_births_are_what_they_are_by_themselves(sites: Floats, offset: float) -> None:
+    settings = FillSettings(offset=offset, max_overhang=90.0)
+    filling = fill_sections(block(60), sites, settings)
     layers = list(filling.layers)
-    present, full_cell = count, layers[0].area_per_cell
-    crammed: set[tuple[int, ...]] = set()
-    births = full = 0
-    for layer in layers[1:]:
-        below = Below(filling, layer, present, full_cell)
-        newborn = layer.state.sites[present:]
-        growth = np.rint(layer.state.growth[present:] / filling.growth_step)
-        apart = np.hypot(*(newborn[:, None] - below.places).transpose(2, 0, 1))
-        chosen = apart.argmin(axis=1)
-        assert apart.min(axis=1, initial=0 if not len(newborn) else np.inf).max(initial=0) < 1e-5
-        assert (growth == below.fast[chosen]).all()
-        assert below.ripe[chosen].all()
-        seen = below.room(below.sites[below.inside], below.growth[below.inside])
-        assert seen[chosen].min(initial=0) >= -1e-5, "walls would lean too much"
-        assert len(newborn) <= below.wanted
-
-        room = below.room(below.sites[below.anywhere], below.growth[below.anywhere])
-        room = np.minimum(room, below.room(newborn, growth))
-        names = [tuple(sorted(parents)) for parents in below.parents.tolist()]
-        crammed &= set(names)
-        ready = below.ripe & (room > 1e-5) & [name not in crammed for name in names]
-        ready[chosen] = False
-        least = below.sizes[chosen].min(initial=np.inf) if len(newborn) == below.wanted else -np.inf
-        assert below.sizes[ready].max(initial=-np.inf) <= least + 1e-9, f"layer {layer.index}"
-        crammed |= {name for name, some in zip(names, room, strict=True) if some <= 1e-5}
-        present = len(layer.state.sites)
-        births += len(newborn)
-        full += below.wanted == len(newborn) > 0
-    assert births > 15
-    assert full > 5
-
-
-@pytest.mark.parametrize("limit", [15.0, 45.0, 70.0])
-def test_no_wall_leans_beyond_the_limit_with_births(limit: float) -> None:
-    filling = structure(40, 4, limit, (SQUARE,))
-    tilts = overhang(filling.layers, 0.8).wall_tilt
     assert len(filling.births) > 5
-    assert tilts.max() <= limit + 1e-6
-    assert filling.walls.tilts.max() <= limit + 1e-6
+    for layer in layers:
+        count = len(layer.state.sites)
+        alone = filling.at(layer.z, layer.section).areas(count)
+        np.testing.assert_allclose(layer.diagram.areas(count), alone, atol=1e-6)
 
 
-def test_without_insertion_nobody_is_born() -> None:
-    sites = scatter_sites(np.array([[0.0, 0], [30, 30]]), 40, 1)
-    sections = [Section(0.5 * k, (SQUARE,)) for k in range(90)]
-    settings = FillSettings(layer_height=0.5, insertion=False)
-    filling = fill_sections(sections, sites, settings)
-    assert len(filling.births) == 0
-    assert all(len(layer.state.sites) == 40 for layer in filling.layers)
+@pytest.mark.parametrize(("sites", "offset"), CASES)
+def test_no_newborn_lies_where_a_dead_site_lay(sites: Floats, offset: float) -> None:
+    filling = fill_sections(block(60), sites, FillSettings(offset=offset, max_overhang=90.0))
+    places = list(filling.layers)[-1].state.sites
+    assert len(np.unique(places, axis=0)) == len(places)
+
+
+@given(st.integers(0, 10**6))
+def test_scattered_births_are_what_they_are_by_themselves(seed: int) -> None:
+    filling = fill_sections(block(20), scatter(seed), FillSettings(offset=8.0, max_overhang=90.0))
+    top = list(filling.layers)[-1]
+    count = len(top.state.sites)
+    alone = filling.at(top.z, top.section).areas(count)
+    np.testing.assert_allclose(top.diagram.areas(count), alone, atol=1e-6)
+
+
+def test_weights_beyond_the_safe_range_are_refused_at_any_height() -> None:
+    sites = scatter(1)
+    with pytest.raises(GeometryError, match="safe range"):
+        fill_sections(block(3), sites, FillSettings(offset=1e15, max_overhang=90.0))
+    filling = fill_sections(block(3), sites, FillSettings())
+    for height in (1e9, -1e9):
+        with pytest.raises(GeometryError, match="safe range"):
+            filling.at(height)
+    for height in (np.nan, np.inf):
+        with pytest.raises(GeometryError, match="not a finite number"):
+            filling.at(height)
+
+
+def test_a_far_site_is_named_and_a_nearer_one_is_not() -> None:
+    with pytest.raises(GeometryError, match=r"site 1: \(1e\+06, 0\) mm is more than 4000 mm"):
+        fill_sections(block(2), np.array([[0.0, 0], [1e6, 0]]), FillSettings())
+    fill_sections(block(2), np.array([[0.0, 0], [1000, 0]]), FillSettings())
+
+
+def test_sections_below_the_bed_and_rings_without_area_are_refused() -> None:
+    with pytest.raises(GeometryError, match="layer 0: it lies below z = 0"):
+        fill_sections([Section(-1.0, (BLOCK,))], scatter(1), FillSettings())
+    with pytest.raises(GeometryError, match="layer 0: one of its rings has fewer than three"):
+        fill_sections([Section(0.0, (BLOCK[:2],))], scatter(1), FillSettings())
+    with pytest.raises(GeometryError, match="layer 0: one of its rings has fewer than three"):
+        fill_sections([Section(0.0, (np.empty((0, 2)),))], scatter(1), FillSettings())

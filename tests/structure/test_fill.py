@@ -323,3 +323,23 @@ def test_births_on_a_part_that_stands_on_a_point():
     share = 100 / 40
     births = np.bincount(filling.births[:, 0], minlength=len(layers))
     assert all(layer.area_per_cell > share * 0.5 for layer in layers if births[layer.index])
+
+
+@pytest.mark.parametrize("name", sorted(SECTIONS))
+def test_layers_are_what_qhull_and_geos_make_of_them(name):
+    """The slow side of benchmarks/engine.py does the engine's work."""
+    sites = np.random.default_rng(4).uniform(0, 10, (60, 2))
+    # Newborns' cells are too small for qhull to see.
+    settings = FillSettings(offset=0.3, max_overhang=90.0, layer_height=0.5, insertion=False)
+    for layer in list(fill_sections(stack(SECTIONS[name], 12), sites, settings).layers)[::3]:
+        pairs, _, tree, count, contours = oracle.layer(
+            layer.state.sites, layer.state.weights, layer.section
+        )
+        assert sorted(map(tuple, pairs)) == sorted(map(tuple, layer.diagram.neighbours))
+        assert sorted(map(tuple, tree)) == sorted(map(tuple, layer.tree))
+        assert count == len(layer.diagram.sites())
+        area = oracle.area_of(layer.section).area
+        assert layer.area_per_cell == pytest.approx(area / count)
+        outside = ~layer.diagram.inner()
+        length = layer.diagram.lengths()[outside].sum()
+        assert shapely.length(contours).sum() == pytest.approx(length)

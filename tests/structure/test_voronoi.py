@@ -57,4 +57,3 @@ def test_of_two_sites_joined_by_the_tree_one_grows() -> None:
     assert len(layer.tree) == 49
     grows = layer.state.growth > 0
     assert (grows[layer.tree[:, 0]] != grows[layer.tree[:, 1]]).all()
-    assert not grows[0], "the root stays"

@@ -46,6 +46,15 @@ def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def curve_points(heap, places, parameters):  # type: ignore[no-untyped-def]
+    """Points (k, 3) of curves (k,) at parameters (k,)."""
+    points = np.empty((len(places), 3))
+    for k in range(len(places)):
+        points[k, 0], points[k, 1], points[k, 2], _, _, _ = curve_at(heap, places[k], parameters[k])
+    return points
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
     degree, count = int(heap[place + 1]), int(heap[place + 2])
     knots = place + 4

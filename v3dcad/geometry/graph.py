@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.cut import CROSSED, CUT, VERTICES, WHOLE
 from v3dcad.geometry.exact import INTERNAL, WORD
-from v3dcad.geometry.triangulation import ACROSS, MESH
+from v3dcad.geometry.flips import ACROSS, MESH
+from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
 from v3dcad.geometry.walk import (
     FLOAT,
     FLOAT_ROWS,

@@ -1,6 +1,6 @@
 """Minimum spanning trees from scratch, by Kruskal's algorithm (1956).
 
-Lengths are exact, and ties go by site numbers, so that there is only one tree.
+Lengths are exact, and ties go by the points' numbers, so that there is only one tree.
 """
 
 from __future__ import annotations
@@ -14,15 +14,14 @@ from v3dcad.model import Ints
 LENGTHS, PAIRS, ROW = types.int64[::1], types.int64[:, ::1], types.int32[::1]
 
 
-@njit(types.boolean(POINT_ROWS, LENGTHS, *[WORD] * 4), **INTERNAL)
-def is_shorter(points, site_of, a, b, c, d):  # type: ignore[no-untyped-def]
-    """Whether the edge a–b comes before c–d: by length, then by sites."""
+@njit(types.boolean(POINT_ROWS, *[WORD] * 4), **INTERNAL)
+def is_shorter(points, a, b, c, d):  # type: ignore[no-untyped-def]
+    """Whether the edge a–b comes before c–d: by length, then by the points' numbers."""
     ax, ay = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]
     cx, cy = points[c, 0] - points[d, 0], points[c, 1] - points[d, 1]
     difference = ax * ax + ay * ay - cx * cx - cy * cy
     if difference != 0:
         return difference < 0
-    a, b, c, d = site_of[a], site_of[b], site_of[c], site_of[d]
     return min(a, b) < min(c, d) or (min(a, b) == min(c, d) and max(a, b) < max(c, d))
 
 
@@ -35,34 +34,38 @@ def root_of(piece, site):  # type: ignore[no-untyped-def]
     return site
 
 
-@njit(PAIRS(POINT_ROWS, LENGTHS, PAIRS), **COMPILED)
-def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
+@njit(PAIRS(POINT_ROWS, PAIRS), **COMPILED)
+def kruskal(points, pairs):  # type: ignore[no-untyped-def]
     """The minimum spanning forest (k, 2) of pairs (m, 2) of points, shortest first."""
     count, chosen = len(pairs), 0
-    order, other, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
+    order, lengths = np.empty(count, np.int64), np.empty(count, np.int64)
     for edge in range(count):
-        order[edge] = edge
+        x = points[pairs[edge, 0], 0] - points[pairs[edge, 1], 0]
+        y = points[pairs[edge, 0], 1] - points[pairs[edge, 1], 1]
+        order[edge], lengths[edge] = edge, x * x + y * y
+    to_order, to_lengths, width = np.empty(count, np.int64), np.empty(count, np.int64), 1
     while width < count:  # merge sort
         for start in range(0, count, 2 * width):
             left, middle = start, min(start + width, count)
             right, stop = middle, min(start + 2 * width, count)
             for to in range(start, stop):
-                if right == stop:
-                    from_left = True
-                elif left == middle:
-                    from_left = False
+                if left == middle or right == stop:
+                    from_left = right == stop
+                elif lengths[left] != lengths[right]:
+                    from_left = lengths[left] < lengths[right]
                 else:
                     a, b = order[left], order[right]
                     from_left = not is_shorter(
-                        points, site_of, pairs[b, 0], pairs[b, 1], pairs[a, 0], pairs[a, 1]
+                        points, pairs[b, 0], pairs[b, 1], pairs[a, 0], pairs[a, 1]
                     )
+                source = left if from_left else right
+                to_order[to], to_lengths[to] = order[source], lengths[source]
                 if from_left:
-                    other[to] = order[left]
                     left += 1
                 else:
-                    other[to] = order[right]
                     right += 1
-        order, other, width = other, order, 2 * width
+        order, to_order = to_order, order
+        lengths, to_lengths, width = to_lengths, lengths, 2 * width
     piece, tree = np.empty(len(points), np.int32), np.empty((count, 2), np.int64)
     for point in range(len(points)):
         piece[point] = point
@@ -79,9 +82,9 @@ def kruskal(points, site_of, pairs):  # type: ignore[no-untyped-def]
 def spanning_tree(places: Ints, pairs: Ints) -> Ints:
     """The minimum spanning forest (k, 2) of pairs (m, 2), i < j, of places (n, 2) on the grid.
 
-    By length, ties by site numbers; shortest first.
+    By length, ties by the places' numbers; shortest first.
     """
     points = np.zeros((len(places), 3), np.int64)
     points[:, :2] = places
-    tree: Ints = kruskal(points, np.arange(len(places)), np.ascontiguousarray(pairs, np.int64))
+    tree: Ints = kruskal(points, np.ascontiguousarray(pairs, np.int64))
     return tree

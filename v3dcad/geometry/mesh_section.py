@@ -79,7 +79,9 @@ def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) 
     first = 0
     for count, crossings in cross_planes(mesh, edges, at_base(heights, mesh.vertices)):
         kept, starts = tidy(crossings.points, crossings.starts)
-        points = crossings.points[kept]
+        points = crossings.points
+        if len(kept) < len(points):
+            points = points[kept]
         rings: list[list[Floats]] = [[] for _ in range(count)]
         for start, stop, plane in zip(starts[:-1], starts[1:], crossings.planes, strict=True):
             if stop > start:
@@ -118,7 +120,12 @@ def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]
     """
     way = key * 2 + backward
     order = np.argsort(way)
-    if np.any(np.diff(way[order]) == 0):  # only a stable order is the same everywhere
+    ways = way[order]
+    there, back = ways[::2], ways[1::2]
+    one_by_one = np.array_equal(back, there + 1) and not np.any(there & 1)
+    if one_by_one and np.all(there[1:] > there[:-1]):  # as in a sound mesh: one side either way
+        return order[::2], order[1::2], 0
+    if np.any(np.diff(ways) == 0):  # only a stable order is the same everywhere
         order = np.argsort(way, kind="stable")
     sorted_key, against = key[order], backward[order]
     there, back = order[~against], order[against]
@@ -138,9 +145,10 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     check_heights(heights)
     z = mesh.vertices[:, 2]
     levels = plane_levels(heights, float(z.min(initial=np.inf)))
-    a, b, c = (z[corner] for corner in mesh.triangles.T)
-    begin = np.searchsorted(levels, np.minimum(np.minimum(a, b), c), side="right")
-    end = np.searchsorted(levels, np.maximum(np.maximum(a, b), c), side="right")
+    # A node is above the planes before its rank, and beneath the others.
+    ranks = np.searchsorted(levels, z, side="right")
+    a, b, c = (ranks[corner] for corner in mesh.triangles.T)
+    begin, end = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     planes = len(heights)
     total = np.cumsum(
         np.bincount(begin, minlength=planes + 1) - np.bincount(end, minlength=planes + 1)
@@ -158,7 +166,7 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
                     edges.nodes,
                     edges.of_triangles,
                     heights[first:stop],
-                    levels[first:stop],
+                    ranks - first,
                     np.clip(begin, first, stop) - first,
                     np.clip(end, first, stop) - first,
                     before[first : stop + 1] - before[first],
@@ -192,7 +200,7 @@ def plane_levels(heights: Floats, lowest: float) -> Floats:
 
 
 @njit(cache=True, nogil=True)
-def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end, before):  # type: ignore[no-untyped-def]
+def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end, before):  # type: ignore[no-untyped-def]
     """Cross every triangle with its planes, then link the crossings of each plane into rings."""
     total = before[-1]
     descent = np.empty(total, np.int64)
@@ -200,17 +208,18 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, levels, begin, end
     crossed = np.empty(total, np.int64)
     level = np.full(total, -1)
     place = before[:-1].copy()
-    corner_z = np.empty(4)
+    corner_z, corner_rank = np.empty(4), np.empty(4, np.int64)
     for triangle in range(len(triangles)):
         for corner in range(4 if begin[triangle] < end[triangle] else 0):
-            corner_z[corner] = vertices[triangles[triangle, corner % 3], 2]
+            node = triangles[triangle, corner % 3]
+            corner_z[corner], corner_rank[corner] = vertices[node, 2], ranks[node]
         for plane in range(begin[triangle], end[triangle]):
             slot = place[plane]
             place[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
                 tail_z, head_z = corner_z[side], corner_z[side + 1]
-                tail_above, head_above = tail_z >= levels[plane], head_z >= levels[plane]
+                tail_above, head_above = corner_rank[side] > plane, corner_rank[side + 1] > plane
                 if tail_above and not head_above:
                     descent[slot] = edge_of[triangle, side]
                 elif head_above and not tail_above:
@@ -288,7 +297,7 @@ def tidy(points, starts):  # type: ignore[no-untyped-def]
                 top += 1
         while top > bottom + 1 and not _differ(points, kept[top - 1], kept[bottom]):
             top -= 1
-        if is_thin(points[kept[bottom:top]]):
+        if is_thin(points[kept[bottom:top]], SNAP):
             top = bottom
         new_starts[ring + 1] = top
     return kept[:top], new_starts
@@ -300,12 +309,12 @@ def _differ(points, one, other):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def is_thin(ring):  # type: ignore[no-untyped-def]
-    """Whether the area of a ring (k, 2) is that of a line as wide as `SNAP`, or less."""
+def is_thin(ring, width):  # type: ignore[no-untyped-def]
+    """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
     area, length = 0.0, 0.0
     for place in range(1, len(ring)):
         x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
         back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
         area += back_x * y - back_y * x
         length += np.hypot(x - back_x, y - back_y)
-    return abs(area) <= SNAP * length
+    return abs(area) <= width * length

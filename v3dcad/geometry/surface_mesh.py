@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.curves import LINE, curve_at
-from v3dcad.geometry.surfaces import PLANE, surface_at
+from v3dcad.geometry.surfaces import PLANE, height_at, surface_at
 from v3dcad.model import Floats, Ints, Value
 
 NEGLIGIBLE = 1e-10
@@ -53,6 +53,9 @@ class SurfaceMesh(Value):
     """(e,) place of its curve in the heap, if it lies on an edge of the B-rep, else −1"""
     edge_spans: Floats
     """(e, 4) the curve's parameters at both nodes, or u, v at the first and u, v at the second"""
+    gapes: Floats
+    """(f,) mm: how far the edges of each face may stand off it, where that is worth mending
+    (`gapes`), else 0"""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -80,6 +83,20 @@ def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-de
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _height_along(heap, surface, curve, span, share):  # type: ignore[no-untyped-def]
+    """The z and dz/dshare of `along_edge`."""
+    if curve >= 0:
+        step = span[1] - span[0]
+        point = curve_at(heap, curve, span[0] + share * step)
+        return point[2], point[5] * step
+    u_step, v_step = span[2] - span[0], span[3] - span[1]
+    z, u_slope, v_slope = height_at(
+        heap, surface, span[0] + share * u_step, span[1] + share * v_step
+    )
+    return z, u_slope * u_step + v_slope * v_step
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def turning_points(heap, surfaces, faces, curves, spans):  # type: ignore[no-untyped-def]
     """(e, 2) `turning_point` of every edge."""
     turns = np.empty((len(faces), 2))
@@ -97,22 +114,21 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     if straight:
         return 0.0, 0.0
     pieces = 8
-    start = along_edge(heap, surface, curve, span, 0.0)
-    stop = along_edge(heap, surface, curve, span, 1.0)
+    first_z, before = _height_along(heap, surface, curve, span, 0.0)
     best, found = 0.0, 0.0
-    before = start[3]
     for piece in range(pieces):
-        slope = along_edge(heap, surface, curve, span, (piece + 1) / pieces)[3]
+        slope = _height_along(heap, surface, curve, span, (piece + 1) / pieces)[1]
         if before * slope < 0:
             low, high = piece / pieces, (piece + 1) / pieces
             for _ in range(48):
                 middle = (low + high) / 2
-                if along_edge(heap, surface, curve, span, middle)[3] * slope < 0:
+                if _height_along(heap, surface, curve, span, middle)[1] * slope < 0:
                     low = middle
                 else:
                     high = middle
-            z = along_edge(heap, surface, curve, span, low)[2]
-            rise = min(abs(z - start[2]), abs(z - stop[2]))
+            z = _height_along(heap, surface, curve, span, low)[0]
+            last_z = _height_along(heap, surface, curve, span, 1.0)[0]
+            rise = min(abs(z - first_z), abs(z - last_z))
             if rise > max(best, NEGLIGIBLE):
                 best, found = rise, low
         before = slope

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from heapq import heappop, heappush
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.surface_mesh import (
-    SurfaceMesh,
-    depth,
-    project,
-    turning_point,
-    turning_points,
-)
+from v3dcad.geometry.exact import COMPILED, INTERNAL
+from v3dcad.geometry.surface_mesh import SurfaceMesh, depth, project, turning_point, turning_points
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Ints
 
-MOST_SPLITS = 200
+MOST_SPLITS = 64
 """Splits per edge that the mesh had: a bound for surfaces that ripple without end."""
 
 
@@ -30,197 +26,244 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
 
     `GeometryError` where a face ripples so much that this does not end.
     """
-    refiner = _Refiner(mesh)
-    for triangle, (u, v) in zip(triangles.tolist(), parameters.tolist(), strict=True):
-        refiner.insert(triangle, u, v)
     turns = turning_points(
         mesh.heap, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
     )
-    for edge in np.flatnonzero(turns[:, 1] > 0).tolist():
-        refiner.await_split(edge, *turns[edge].tolist())
-    if not refiner.waiting:
-        return mesh
-    limit = MOST_SPLITS * len(mesh.edge_nodes)
-    while refiner.waiting:
+    turning = np.flatnonzero(turns[:, 1] > 0)
+    order = np.argsort(mesh.sides.ravel(), kind="stable")
+    owners = (order[np.count_nonzero(mesh.sides < 0) :] // 3).reshape(-1, 2)
+    room = 64 + 4 * (len(triangles) + len(turning))
+    while room <= max(MOST_SPLITS * len(mesh.edge_nodes), 64):
+        tables = _tables(mesh, owners, room)
+        splits = _refine(
+            *(mesh.heap, mesh.surfaces, tables),
+            *(len(mesh.nodes), len(mesh.triangles), len(mesh.edge_nodes), room),
+            *(triangles, parameters, turning, turns[turning]),
+        )
+        if splits >= 0:
+            return _taken(mesh, tables, splits)
+        room *= 4
+    raise GeometryError("a face of the part ripples too finely to be sliced: simplify the surface")
+
+
+class _Tables(NamedTuple):
+    """The arrays of a `SurfaceMesh` that grow, with room for more rows: a split adds one node, two
+    triangles and three edges. Owners (e, 2) are the triangles beside each edge.
+    """
+
+    nodes: Floats
+    triangles: Ints
+    corners: Floats
+    faces: Ints
+    sides: Ints
+    edge_nodes: Ints
+    edge_faces: Ints
+    edge_curves: Ints
+    edge_spans: Floats
+    owners: Ints
+
+
+ROWS = (1, 2, 2, 2, 2, 3, 3, 3, 3, 3)
+"""Rows that a split adds to each of the tables."""
+
+
+def _tables(mesh: SurfaceMesh, owners: Ints, room: int) -> _Tables:
+    """The mesh's arrays with room for so many splits."""
+    rows = [getattr(mesh, name) for name in _Tables._fields[:-1]] + [owners]
+    return _Tables(*(_with_room(*each, room) for each in zip(rows, ROWS, strict=True)))
+
+
+def _taken(mesh: SurfaceMesh, tables: _Tables, splits: int) -> SurfaceMesh:
+    """The mesh with what was added by so many splits."""
+    found = zip(_Tables._fields[:-1], ROWS[:-1], strict=True)
+    return replace(
+        mesh,
+        **{
+            name: getattr(tables, name)[: len(getattr(mesh, name)) + rows * splits]
+            for name, rows in found
+        },
+    )
+
+
+def _with_room(rows: NDArray[Any], more: int, times: int) -> NDArray[Any]:
+    """The rows in an array that has room for more of them."""
+    whole = np.empty((len(rows) + more * times, *rows.shape[1:]), rows.dtype)
+    whole[: len(rows)] = rows
+    return whole
+
+
+@njit(**COMPILED)
+def _refine(  # type: ignore[no-untyped-def]
+    heap, surfaces, mesh, node, triangle_count, edge_count, room, seeds, parameters, turning, turns
+):
+    """Insert the seeds and split edges as long as one turns, in `_Tables` with room for more rows.
+
+    `node`, `triangle_count` and `edge_count` say how many rows they have. Returns how often
+    something was divided, −1 where there is too little room.
+    """
+    waiting = [(0.0, 0, 0.0)]
+    waiting.pop()
+    known, first_edge, first_node = triangle_count, edge_count, node
+    seed_of = np.empty(2 * len(seeds), np.int64)
+    for seed in range(len(seeds)):
+        if node - first_node == room:
+            return -1
+        u, v = parameters[seed, 0], parameters[seed, 1]
+        # The triangle may have been divided already: the piece that the node lies in.
+        parent, deepest = seeds[seed], depth(mesh.corners[seeds[seed]], u, v)
+        for piece in range(known, triangle_count):
+            if seed_of[piece - known] == seeds[seed]:
+                inside = depth(mesh.corners[piece], u, v)
+                if inside > deepest:
+                    parent, deepest = piece, inside
+        seed_of[triangle_count - known : triangle_count - known + 2] = seeds[seed]
+        _insert(mesh, parent, u, v, node, triangle_count, edge_count)
+        mesh.nodes[node] = surface_at(heap, surfaces[mesh.faces[parent]], u, v)[0]
+        node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
+    for edge in range(first_edge, edge_count):
+        _look(waiting, heap, surfaces, mesh, edge)
+    for k in range(len(turning)):
+        heappush(waiting, (-turns[k, 1], turning[k], turns[k, 0]))
+    while len(waiting):
+        if node - first_node == room:
+            return -1
         # The highest turn first: a crest is traced from edge to edge before what lies beside it.
-        _, edge, share = heappop(refiner.waiting)
-        refiner.split(edge, share)
-        if len(refiner.edge_nodes) > limit:
-            raise GeometryError(
-                "a face of the part ripples too finely to be sliced: simplify the surface"
+        _, edge, share = heappop(waiting)
+        first, rest = mesh.edge_nodes[edge, 0], edge_count
+        _cut_edge(heap, surfaces, mesh, edge, share, node, rest)
+        beside = (mesh.owners[edge, 0], mesh.owners[edge, 1])
+        for k in range(2):
+            beyond, middle = triangle_count + k, rest + 1 + k
+            forward = _bisect(
+                heap, surfaces, mesh, beside[k], edge, rest, node, first, share, beyond, middle
             )
-    return refiner.result()
+            mesh.owners[edge, k] = beside[k] if forward else beyond
+            mesh.owners[rest, k] = beyond if forward else beside[k]
+        _look(waiting, heap, surfaces, mesh, edge)
+        node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
+        for new in range(rest, edge_count):
+            _look(waiting, heap, surfaces, mesh, new)
+    return node - first_node
 
 
-class _Rows:
-    """An array that rows can be added to."""
-
-    def __init__(self, rows: NDArray[Any]) -> None:
-        self.rows = np.concatenate([rows, np.empty_like(rows[:64])])
-        self.count = len(rows)
-
-    def __getitem__(self, index: int) -> Any:
-        return self.rows[index].tolist()
-
-    def __setitem__(self, index: int, row: Any) -> None:
-        self.rows[index] = row
-
-    def __len__(self) -> int:
-        return self.count
-
-    def add(self, row: Any) -> int:
-        """Append a row; returns its index."""
-        if self.count == len(self.rows):
-            self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
-        self.rows[self.count] = row
-        self.count += 1
-        return self.count - 1
-
-    def result(self) -> NDArray[Any]:
-        """The array with all its rows."""
-        return self.rows[: self.count]
+@njit(**INTERNAL)
+def _look(waiting, heap, surfaces, mesh, edge):  # type: ignore[no-untyped-def]
+    """Have an edge split if it is not monotone."""
+    place = surfaces[mesh.edge_faces[edge]]
+    share, rise = turning_point(heap, place, mesh.edge_curves[edge], mesh.edge_spans[edge])
+    if rise > 0:
+        heappush(waiting, (-rise, edge, share))
 
 
-class _Refiner:
-    """The mesh while it is being refined."""
+@njit(**INTERNAL)
+def _insert(  # type: ignore[no-untyped-def]
+    mesh, parent, u, v, node, triangle, edge
+):
+    """Divide a triangle into three at (u, v), where `node` is; rows from `triangle` and `edge` on
+    become the two new ones and the three spokes.
+    """
+    old, old_sides, at = (
+        mesh.triangles[parent].copy(),
+        mesh.sides[parent].copy(),
+        mesh.corners[parent].copy(),
+    )
+    for k in range(3):
+        after = (k + 1) % 3
+        child = parent if k == 0 else triangle + k - 1
+        before = parent if k == 1 else triangle + (k + 1) % 3
+        _set_edge(mesh, edge + k, node, old[k], mesh.faces[parent], -1, u, v, at[k, 0], at[k, 1])
+        mesh.faces[child] = mesh.faces[parent]
+        _set_triangle(mesh, child, node, old[k], old[after], edge + k, old_sides[k], edge + after)
+        mesh.corners[child, 0, 0], mesh.corners[child, 0, 1] = u, v
+        mesh.corners[child, 1], mesh.corners[child, 2] = at[k], at[after]
+        _hand_over(mesh, old_sides[k], parent, child)
+        mesh.owners[edge + k, 0], mesh.owners[edge + k, 1] = before, child
 
-    def __init__(self, mesh: SurfaceMesh) -> None:
-        self.mesh = mesh
-        self.nodes = _Rows(mesh.nodes)
-        self.triangles = _Rows(mesh.triangles)
-        self.corners = _Rows(mesh.corners)
-        self.faces = _Rows(mesh.faces)
-        self.sides = _Rows(mesh.sides)
-        self.edge_nodes = _Rows(mesh.edge_nodes)
-        self.edge_faces = _Rows(mesh.edge_faces)
-        self.edge_curves = _Rows(mesh.edge_curves)
-        self.edge_spans = _Rows(mesh.edge_spans)
-        order = np.argsort(mesh.sides.ravel(), kind="stable")
-        beside = order[np.count_nonzero(mesh.sides < 0) :] // 3
-        self.owners = _Rows(beside.reshape(-1, 2))
-        self.waiting: list[tuple[float, int, float]] = []
-        self.pieces: dict[int, list[int]] = {}
 
-    def result(self) -> SurfaceMesh:
-        """The refined mesh."""
-        return replace(
-            self.mesh,
-            nodes=self.nodes.result(),
-            triangles=self.triangles.result(),
-            corners=self.corners.result(),
-            faces=self.faces.result(),
-            sides=self.sides.result(),
-            edge_nodes=self.edge_nodes.result(),
-            edge_faces=self.edge_faces.result(),
-            edge_curves=self.edge_curves.result(),
-            edge_spans=self.edge_spans.result(),
-        )
+@njit(**INTERNAL)
+def _cut_edge(  # type: ignore[no-untyped-def]
+    heap, surfaces, mesh, edge, share, node, rest
+):
+    """Cut an edge at a share of its way, where `node` is to be; `rest` becomes what follows."""
+    face, curve, last = mesh.edge_faces[edge], mesh.edge_curves[edge], mesh.edge_nodes[edge, 1]
+    a, b, c, d = mesh.edge_spans[edge]
+    if curve >= 0:
+        at = a + share * (b - a)
+        x, y, z, _, _, _ = curve_at(heap, curve, at)
+        mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = x, y, z
+        mesh.edge_spans[edge, 1] = at
+        _set_edge(mesh, rest, node, last, face, curve, at, b, 0.0, 0.0)
+    else:
+        u, v = a + share * (c - a), b + share * (d - b)
+        mesh.nodes[node] = surface_at(heap, surfaces[face], u, v)[0]
+        mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = u, v
+        _set_edge(mesh, rest, node, last, face, curve, u, v, c, d)
+    mesh.edge_nodes[edge, 1] = node
 
-    def insert(self, triangle: int, u: float, v: float) -> None:
-        """A new node inside a triangle, which becomes three; those may be divided again."""
-        pieces = self.pieces.setdefault(triangle, [triangle])
-        triangle = max(pieces, key=lambda piece: depth(np.array(self.corners[piece]), u, v))
-        face, sides = self.faces[triangle], self.sides[triangle]
-        nodes, corners = self.triangles[triangle], self.corners[triangle]
-        node = self._node(surface_at(self.mesh.heap, self.mesh.surfaces[face], u, v)[0])
-        spokes = [self._edge(node, nodes[k], face, [u, v, *corners[k]]) for k in range(3)]
-        children = [triangle, self._triangle(face), self._triangle(face)]
-        pieces += children[1:]
-        for k, child in enumerate(children):
-            after, before = (k + 1) % 3, children[k - 1]
-            self.triangles[child] = [node, nodes[k], nodes[after]]
-            self.corners[child] = [[u, v], corners[k], corners[after]]
-            self.sides[child] = [spokes[k], sides[k], spokes[after]]
-            self._hand_over(sides[k], triangle, child)
-            self.owners[spokes[k]] = [before, child]
 
-    def split(self, edge: int, share: float) -> None:
-        """Cut an edge, and the triangles beside it, at a share of the way along it."""
-        mesh = self.mesh
-        face, curve = self.edge_faces[edge], self.edge_curves[edge]
-        first, last = self.edge_nodes[edge]
-        span = self.edge_spans[edge]
-        if curve >= 0:
-            cut = [span[0] + share * (span[1] - span[0])]
-            node = self._node(np.array(curve_at(mesh.heap, curve, cut[0])[:3]))
-            before, after = [span[0], cut[0], 0.0, 0.0], [cut[0], span[1], 0.0, 0.0]
-        else:
-            cut = [span[k] + share * (span[k + 2] - span[k]) for k in range(2)]
-            node = self._node(surface_at(mesh.heap, mesh.surfaces[face], *cut)[0])
-            before, after = [*span[:2], *cut], [*cut, *span[2:]]
-        self.edge_nodes[edge] = [first, node]
-        self.edge_spans[edge] = before
-        self._look(edge)
-        rest = self._edge(node, last, face, after, curve)
-        halves = [
-            self._bisect(triangle, edge, rest, node, first, share) for triangle in self.owners[edge]
-        ]
-        self.owners[edge], self.owners[rest] = zip(*halves, strict=True)
+@njit(**INTERNAL)
+def _bisect(  # type: ignore[no-untyped-def]
+    heap, surfaces, mesh, triangle, edge, rest, node, first, share, beyond, middle
+):
+    """Cut a triangle from the new node on its side `edge` to the opposite corner.
 
-    def _bisect(
-        self, triangle: int, edge: int, rest: int, node: int, first: int, share: float
-    ) -> tuple[int, int]:
-        """Cut a triangle from the new node on its side to the opposite corner.
+    The part along `rest` becomes `beyond` if the triangle goes along the edge as the edge does,
+    which is returned, else the part along `edge` does.
+    """
+    face = mesh.faces[triangle]
+    k = 0
+    while k < 2 and mesh.sides[triangle, k] != edge:
+        k += 1
+    after, before = (k + 1) % 3, (k + 2) % 3
+    a, b, c = (
+        mesh.triangles[triangle, k],
+        mesh.triangles[triangle, after],
+        mesh.triangles[triangle, before],
+    )
+    side_bc, side_ca = mesh.sides[triangle, after], mesh.sides[triangle, before]
+    at_a = mesh.corners[triangle, k].copy()
+    at_b, at_c = mesh.corners[triangle, after].copy(), mesh.corners[triangle, before].copy()
+    forward = a == first
+    portion = share if forward else 1 - share
+    u, v = at_a[0] + portion * (at_b[0] - at_a[0]), at_a[1] + portion * (at_b[1] - at_a[1])
+    if mesh.edge_curves[edge] >= 0:
+        u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
+    _set_edge(mesh, middle, node, c, face, -1, u, v, at_c[0], at_c[1])
+    near, far = (edge, rest) if forward else (rest, edge)
+    _set_triangle(mesh, triangle, a, node, c, near, middle, side_ca)
+    _set_triangle(mesh, beyond, node, b, c, far, side_bc, middle)
+    mesh.faces[beyond] = face
+    mesh.corners[triangle, 0], mesh.corners[triangle, 2] = at_a, at_c
+    mesh.corners[triangle, 1, 0], mesh.corners[triangle, 1, 1] = u, v
+    mesh.corners[beyond, 0, 0], mesh.corners[beyond, 0, 1] = u, v
+    mesh.corners[beyond, 1], mesh.corners[beyond, 2] = at_b, at_c
+    mesh.owners[middle, 0], mesh.owners[middle, 1] = triangle, beyond
+    _hand_over(mesh, side_bc, triangle, beyond)
+    return forward
 
-        Returns the triangles that now have the edge and the rest of it.
-        """
-        mesh, face = self.mesh, self.faces[triangle]
-        k = self.sides[triangle].index(edge)
-        order = (k, (k + 1) % 3, (k + 2) % 3)
-        nodes, corners, sides = (
-            self.triangles[triangle],
-            self.corners[triangle],
-            self.sides[triangle],
-        )
-        a, b, c = (nodes[j] for j in order)
-        at_a, at_b, at_c = (corners[j] for j in order)
-        _, side_bc, side_ca = (sides[j] for j in order)
-        forward = a == first
-        portion = share if forward else 1 - share
-        u, v = (at_a[j] + portion * (at_b[j] - at_a[j]) for j in range(2))
-        if self.edge_curves[edge] >= 0:
-            point = np.array(self.nodes[node])
-            u, v = project(mesh.heap, mesh.surfaces[face], point, u, v)
-        beyond = self._triangle(face)
-        middle = self._edge(node, c, face, [u, v, *at_c])
-        near, far = (edge, rest) if forward else (rest, edge)
-        self.triangles[triangle], self.triangles[beyond] = [a, node, c], [node, b, c]
-        self.corners[triangle], self.corners[beyond] = [at_a, [u, v], at_c], [[u, v], at_b, at_c]
-        self.sides[triangle], self.sides[beyond] = [near, middle, side_ca], [far, side_bc, middle]
-        self.owners[middle] = [triangle, beyond]
-        self._hand_over(side_bc, triangle, beyond)
-        return (triangle, beyond) if forward else (beyond, triangle)
 
-    def _hand_over(self, edge: int, giver: int, taker: int) -> None:
-        if edge >= 0:
-            self.owners[edge] = [taker if one == giver else one for one in self.owners[edge]]
+@njit(**INTERNAL)
+def _set_edge(  # type: ignore[no-untyped-def]
+    mesh, edge, first, last, face, curve, a, b, c, d
+):
+    mesh.edge_nodes[edge, 0], mesh.edge_nodes[edge, 1] = first, last
+    mesh.edge_faces[edge], mesh.edge_curves[edge] = face, curve
+    mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1] = a, b
+    mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = c, d
 
-    def _node(self, point: Any) -> int:
-        return self.nodes.add(point)
 
-    def _triangle(self, face: int) -> int:
-        for rows in (self.triangles, self.corners, self.sides):
-            rows.add(-1)
-        return self.faces.add(face)
+@njit(**INTERNAL)
+def _set_triangle(mesh, triangle, a, b, c, side_ab, side_bc, side_ca):  # type: ignore[no-untyped-def]
+    mesh.triangles[triangle, 0], mesh.triangles[triangle, 1], mesh.triangles[triangle, 2] = a, b, c
+    mesh.sides[triangle, 0], mesh.sides[triangle, 1], mesh.sides[triangle, 2] = (
+        side_ab,
+        side_bc,
+        side_ca,
+    )
 
-    def _edge(self, first: int, last: int, face: int, span: list[float], curve: int = -1) -> int:
-        edge = self.edge_nodes.add([first, last])
-        self.edge_faces.add(face)
-        self.edge_curves.add(curve)
-        self.edge_spans.add(span)
-        self.owners.add(-1)
-        self._look(edge)
-        return edge
 
-    def _look(self, edge: int) -> None:
-        """Have an edge split if it is not monotone."""
-        place = self.mesh.surfaces[self.edge_faces[edge]]
-        share, rise = turning_point(
-            self.mesh.heap, place, self.edge_curves[edge], np.array(self.edge_spans[edge])
-        )
-        if rise > 0:
-            self.await_split(edge, share, rise)
-
-    def await_split(self, edge: int, share: float, rise: float) -> None:
-        """Have an edge split, which turns at a share of its way and rises there."""
-        heappush(self.waiting, (-rise, edge, share))
+@njit(**INTERNAL)
+def _hand_over(mesh, edge, giver, taker):  # type: ignore[no-untyped-def]
+    for k in range(2 if edge >= 0 else 0):
+        if mesh.owners[edge, k] == giver:
+            mesh.owners[edge, k] = taker

@@ -16,6 +16,7 @@ from numba import njit
 
 from v3dcad.geometry.conics import POINTS, conic_at
 from v3dcad.geometry.curves import LINE
+from v3dcad.geometry.gapes import mended
 from v3dcad.geometry.mesh_section import (
     SNAP,
     MeshEdges,
@@ -80,6 +81,7 @@ def _cut(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> Iterator
             crossings.edges,
             planes_at[first + planes],
         )
+        ring_heights = planes_at[first + crossings.planes]
         traced = trace(
             mesh.heap,
             mesh.surfaces,
@@ -94,9 +96,11 @@ def _cut(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> Iterator
             crossings.edges,
             crossings.triangles,
             crossings.starts,
-            planes_at[first + crossings.planes],
+            ring_heights,
             chord_tolerance,
         )
+        if mesh.gapes.any():
+            traced = mended(mesh.heap, mesh.surfaces, mesh.gapes, *traced, ring_heights)
         yield from _sections(heights[first : first + count], crossings.planes, *traced)
         first += count
 

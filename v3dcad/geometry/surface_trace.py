@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, conic_at
-from v3dcad.geometry.mesh_section import is_thin
+from v3dcad.geometry.mesh_section import SNAP, is_thin
 from v3dcad.geometry.surfaces import surface_at
 
 MOST_HALVINGS = 10
@@ -133,7 +133,7 @@ def trace(  # type: ignore[no-untyped-def]
                 numbers[made, 3], numbers[made, 4] = d, ratio
                 made += 1
             k = stop
-        if is_thin(out[base:written]):
+        if is_thin(out[base:written], SNAP):
             written, made = base, first_run
         new_starts[ring + 1] = written
     return out[:written].copy(), new_starts, runs[:made], numbers[:made]

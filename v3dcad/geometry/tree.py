@@ -14,10 +14,8 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CHANGED, CROSSED, CUT, WHOLE
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
-from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
-from v3dcad.geometry.triangulation import (
+from v3dcad.geometry.flips import (
     ACROSS,
     MESH,
     NOTHING,
@@ -27,6 +25,8 @@ from v3dcad.geometry.triangulation import (
     corner_at,
     edge_to,
 )
+from v3dcad.geometry.inside import CHANGED, CROSSED, CUT, WHOLE
+from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
 
 MASK = (1 << 32) - 1
 FEW = 8
@@ -115,8 +115,8 @@ def _key_of(triangles, pair_at, triangle, i):  # type: ignore[no-untyped-def]
     return key if pair_at[key] != 0 else -1
 
 
-@njit(types.boolean(POINT_ROWS, TRIANGLE_ROWS, LENGTHS, LENGTHS, WORD), **INTERNAL)
-def _may_be_branch(points, triangles, site_of, pair_at, key):  # type: ignore[no-untyped-def]
+@njit(types.boolean(POINT_ROWS, TRIANGLE_ROWS, LENGTHS, WORD), **INTERNAL)
+def _may_be_branch(points, triangles, pair_at, key):  # type: ignore[no-untyped-def]
     """Whether the edge with a key is not the longest of a triangle of the graph."""
     first, i = key // 3, key % 3
     a, b = triangles[first, (i + 1) % 3], triangles[first, (i + 2) % 3]
@@ -126,11 +126,7 @@ def _may_be_branch(points, triangles, site_of, pair_at, key):  # type: ignore[no
         c, joined = triangles[triangle, j], True
         for k in range(1, 3):
             joined = joined and _key_of(triangles, pair_at, triangle, (j + k) % 3) >= 0
-        if (
-            joined
-            and is_shorter(points, site_of, a, c, a, b)
-            and is_shorter(points, site_of, b, c, a, b)
-        ):
+        if joined and is_shorter(points, a, c, a, b) and is_shorter(points, b, c, a, b):
             return False
     return True
 
@@ -151,8 +147,8 @@ def _are_joined(mesh, pair_at, a, b):  # type: ignore[no-untyped-def]
             return False
 
 
-@njit(types.void(MESH, CUT, TREE, LENGTHS, WORD), **INTERNAL)
-def _replace(mesh, cut, tree, site_of, lost):  # type: ignore[no-untyped-def]
+@njit(types.void(MESH, CUT, TREE, WORD), **INTERNAL)
+def _replace(mesh, cut, tree, lost):  # type: ignore[no-untyped-def]
     """Put the shortest edge between its two pieces, if there is one that is not new, in the place
     of the branch from the point `lost` to the one above it.
     """
@@ -187,7 +183,7 @@ def _replace(mesh, cut, tree, site_of, lost):  # type: ignore[no-untyped-def]
             k = corner_at(triangles, triangle, point)
             other = triangles[triangle, (k + 1) % 3]
             if mark[other] != token + side and (
-                inner == NOTHING or is_shorter(points, site_of, point, other, inner, outer)
+                inner == NOTHING or is_shorter(points, point, other, inner, outer)
             ):
                 key = _key_of(triangles, pair_at, triangle, (k + 2) % 3)
                 if key >= 0 and (before[key] < 0 or before[key] == pair_at[key]):
@@ -199,8 +195,8 @@ def _replace(mesh, cut, tree, site_of, lost):  # type: ignore[no-untyped-def]
         _hang(tree, inner, outer)
 
 
-@njit(types.void(MESH, TREE, LENGTHS, WORD, WORD), **INTERNAL)
-def _join(mesh, tree, site_of, a, b):  # type: ignore[no-untyped-def]
+@njit(types.void(MESH, TREE, WORD, WORD), **INTERNAL)
+def _join(mesh, tree, a, b):  # type: ignore[no-untyped-def]
     """Put in a new edge: between two pieces, or for the longest of the cycle that it closes."""
     points, above, mark = mesh.points, tree.above, tree.mark
     tree.state[0] += 2
@@ -222,11 +218,11 @@ def _join(mesh, tree, site_of, a, b):  # type: ignore[no-untyped-def]
         point = end
         while point != meeting:
             if longest == NOTHING or is_shorter(
-                points, site_of, longest, above[longest], point, above[point]
+                points, longest, above[longest], point, above[point]
             ):
                 longest, start = point, end
             point = above[point]
-    if is_shorter(points, site_of, a, b, longest, above[longest]):
+    if is_shorter(points, a, b, longest, above[longest]):
         _cut_off(tree, longest)
         _hang(tree, start, b if start == a else a)
 
@@ -248,8 +244,8 @@ def _hang_all(tree, points, branches):  # type: ignore[no-untyped-def]
         size[d] += size[c]
 
 
-@njit(types.void(MESH, CUT, TREE, LENGTHS), **INTERNAL)
-def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
+@njit(types.void(MESH, CUT, TREE), **INTERNAL)
+def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
     """Make it the tree of the cut's neighbours again, after what the cut says has changed."""
     above, pair_at, before, changed = tree.above, cut.pair_at, cut.before, cut.changed
     points, triangles = mesh.points, mesh.triangles
@@ -259,10 +255,10 @@ def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
         pairs, many = np.empty((edges, 2), np.int64), 0
         for edge in range(edges):
             key = halves[edge, 0] if edge < whole else crossed[edge - whole]
-            if _may_be_branch(points, triangles, site_of, pair_at, key):
+            if _may_be_branch(points, triangles, pair_at, key):
                 pairs[many, 0], pairs[many, 1] = pair_at[key] >> 32, pair_at[key] & MASK
                 many += 1
-        _hang_all(tree, mesh.count[POINTS], kruskal(points, site_of, pairs[:many]))
+        _hang_all(tree, mesh.count[POINTS], kruskal(points, pairs[:many]))
     else:
         for place in range(count):
             key = changed[place]
@@ -274,7 +270,7 @@ def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
                 and (above[a] == b or above[b] == a)
                 and not _are_joined(mesh, pair_at, a, b)
             ):
-                _replace(mesh, cut, tree, site_of, a if above[a] == b else b)
+                _replace(mesh, cut, tree, a if above[a] == b else b)
         for place in range(count):
             key = changed[place]
             pair = pair_at[key]
@@ -284,9 +280,9 @@ def renew_tree(mesh, cut, tree, site_of):  # type: ignore[no-untyped-def]
                 and pair != before[key]
                 and above[a] != b
                 and above[b] != a
-                and _may_be_branch(points, triangles, site_of, pair_at, key)
+                and _may_be_branch(points, triangles, pair_at, key)
             ):
-                _join(mesh, tree, site_of, a, b)
+                _join(mesh, tree, a, b)
     for place in range(count):
         before[changed[place]] = -1
     cut.state[CHANGED] = 0

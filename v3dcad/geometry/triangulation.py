@@ -4,218 +4,32 @@ Incremental insertion along a Hilbert curve with Lawson flips (Edelsbrunner and 
 topological flipping works for regular triangulations", Algorithmica 1996). With the predicates
 of `exact.py` it is canonical: neither the order of insertion nor the history of flips shows, and
 grids, collinear and cocircular points are no special cases.
-
-Four sentinels, points 0 to 3, stand far around the frame and hold the hull; a site's point is its
-number among the sites + 4. A triangle's corners are in counter-clockwise order, and
-"edge i" is the one opposite corner i.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import (
-    COMPILED,
-    INLINED,
-    INTERNAL,
-    POINT_ROWS,
-    WORD,
-    conflicts,
-    orientation,
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD, conflicts
+from v3dcad.geometry.flips import (
+    ACROSS,
+    FAR,
+    FREE,
+    MESH,
+    NOTHING,
+    POINTS,
+    SENTINELS,
+    STUCK,
+    TRIANGLES,
+    Triangulation,
+    carry_out,
+    edge_to,
+    plan,
+    split,
 )
 from v3dcad.geometry.grid import STEPS
 from v3dcad.model import Ints
-
-SENTINELS = 4
-FAR = 4 * STEPS
-"""How far outside the frame the sentinels stand, in grid steps."""
-
-NOTHING = -1
-"""No triangle: beyond the hull, or of a hidden point. Also the first corner of a freed slot."""
-
-ACROSS = 3
-"""Where a triangle's neighbours begin in its row."""
-
-POINTS, TRIANGLES, FREE = range(3)
-"""What `Triangulation.count` counts: points and triangle slots in use, and freed slots."""
-
-STUCK, FLIP, HIDE_SECOND, HIDE_THIRD, FLIP_HIDE_SECOND, FLIP_HIDE_THIRD = range(6)
-"""What can be done about an edge: see `plan`."""
-
-
-class Triangulation(NamedTuple):
-    """Weighted points and triangles in arrays with room to grow."""
-
-    points: Any
-    """(p, 3) int64: x and y in grid steps, weight in steps²"""
-    triangle_of: Any
-    """(p,) int32: one triangle at the point, or `NOTHING` where the point is hidden"""
-    triangles: Any
-    """(t, 6) int32: three corners, and the triangles across edges 0, 1 and 2"""
-    free: Any
-    """(t,) int32: slots of triangles to be used again"""
-    stack: Any
-    """(t,) int32: room for insertions"""
-    count: Any
-    """(3,) int64: `POINTS`, `TRIANGLES`, `FREE`"""
-
-
-ROW, TRIANGLE_ROWS = types.int32[::1], types.int32[:, ::1]
-MESH = TupleType([POINT_ROWS, ROW, TRIANGLE_ROWS, ROW, ROW, types.int64[::1]], Triangulation)
-
-
-@njit(WORD(TRIANGLE_ROWS, WORD, WORD), **INLINED)
-def edge_to(triangles, triangle, other):  # type: ignore[no-untyped-def]
-    """Which edge of a triangle it shares with another."""
-    if triangles[triangle, 3] == other:
-        return 0
-    return 1 if triangles[triangle, 4] == other else 2
-
-
-@njit(WORD(TRIANGLE_ROWS, WORD, WORD), **INLINED)
-def corner_at(triangles, triangle, point):  # type: ignore[no-untyped-def]
-    """Which corner of a triangle a point is."""
-    if triangles[triangle, 0] == point:
-        return 0
-    return 1 if triangles[triangle, 1] == point else 2
-
-
-@njit(types.void(TRIANGLE_ROWS, WORD, WORD, WORD), **INLINED)
-def _relink(triangles, triangle, before, now):  # type: ignore[no-untyped-def]
-    if triangle != NOTHING:
-        triangles[triangle, ACROSS + edge_to(triangles, triangle, before)] = now
-
-
-@njit(types.void(MESH, *[WORD] * 7), **INLINED)
-def _place(mesh, triangle, a, b, c, over_a, over_b, over_c):  # type: ignore[no-untyped-def]
-    triangles, triangle_of = mesh.triangles, mesh.triangle_of
-    triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2] = a, b, c
-    triangles[triangle, 3], triangles[triangle, 4], triangles[triangle, 5] = over_a, over_b, over_c
-    triangle_of[a] = triangle_of[b] = triangle_of[c] = triangle
-
-
-@njit(WORD(MESH), **INLINED)
-def _slot_to_use(mesh):  # type: ignore[no-untyped-def]
-    count = mesh.count
-    if count[FREE] > 0:
-        count[FREE] -= 1
-        return mesh.free[count[FREE]]
-    count[TRIANGLES] += 1
-    return count[TRIANGLES] - 1
-
-
-@njit(types.UniTuple(WORD, 2)(MESH, WORD, WORD), **INLINED)
-def split(mesh, triangle, point):  # type: ignore[no-untyped-def]
-    """Join a point to a triangle's corners; returns the two new slots.
-
-    The point is the first corner of all three triangles.
-    """
-    triangles = mesh.triangles
-    second, third = _slot_to_use(mesh), _slot_to_use(mesh)
-    a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-    over_a, over_b, over_c = triangles[triangle, 3], triangles[triangle, 4], triangles[triangle, 5]
-    _place(mesh, triangle, point, b, c, over_a, second, third)
-    _place(mesh, second, point, c, a, over_b, third, triangle)
-    _place(mesh, third, point, a, b, over_c, triangle, second)
-    _relink(triangles, over_b, triangle, second)
-    _relink(triangles, over_c, triangle, third)
-    return second, third
-
-
-@njit(types.UniTuple(WORD, 4)(MESH, WORD, WORD), **INLINED)
-def plan(mesh, triangle, i):  # type: ignore[no-untyped-def]
-    """What to do about edge i of a triangle, which is not regular.
-
-    Let the corners be a, b, c from i on, and d the one across. Returns what, and three triangles:
-    the one across, and those of a, d and a hidden point (`NOTHING` where there is none).
-
-    - `FLIP`: d sees a between b and c: triangles a, b, d and a, d, c.
-    - `HIDE_SECOND`, `HIDE_THIRD`: b (or c) has three triangles and becomes hidden.
-    - `FLIP_HIDE_SECOND`, `FLIP_HIDE_THIRD`: b (or c) lies between a and d and has four.
-    - `STUCK`: none of these, as yet.
-    """
-    points, triangles = mesh.points, mesh.triangles
-    next_i, last_i = (i + 1) % 3, (i + 2) % 3
-    other = triangles[triangle, ACROSS + i]
-    j = edge_to(triangles, other, triangle)
-    a, d = triangles[triangle, i], triangles[other, j]
-    side_b = orientation(points, a, triangles[triangle, next_i], d)
-    side_c = orientation(points, a, d, triangles[triangle, last_i])
-    if side_b > 0 and side_c > 0:
-        return FLIP, other, NOTHING, NOTHING
-    if side_b <= 0:
-        near = triangles[triangle, ACROSS + last_i]
-        far = triangles[other, ACROSS + (j + 1) % 3]
-        side, hide, flip_hide = side_b, HIDE_SECOND, FLIP_HIDE_SECOND
-    else:
-        near = triangles[triangle, ACROSS + next_i]
-        far = triangles[other, ACROSS + (j + 2) % 3]
-        side, hide, flip_hide = side_c, HIDE_THIRD, FLIP_HIDE_THIRD
-    if near != NOTHING and far != NOTHING:
-        if near == far:
-            return hide, other, near, far
-        if side == 0 and triangles[far, ACROSS + edge_to(triangles, far, near)] == near:
-            return flip_hide, other, near, far
-    return STUCK, other, near, far
-
-
-@njit(types.void(MESH, WORD, WORD, WORD), **INLINED)
-def _flip(mesh, triangle, i, other):  # type: ignore[no-untyped-def]
-    """Replace a, b, c and d, c, b by a, b, d and a, d, c."""
-    triangles = mesh.triangles
-    j = edge_to(triangles, other, triangle)
-    next_i, last_i, next_j, last_j = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-    a, d = triangles[triangle, i], triangles[other, j]
-    b, c = triangles[triangle, next_i], triangles[triangle, last_i]
-    beside_b, beside_c = triangles[triangle, ACROSS + next_i], triangles[triangle, ACROSS + last_i]
-    over_c, over_b = triangles[other, ACROSS + next_j], triangles[other, ACROSS + last_j]
-    _place(mesh, triangle, a, b, d, over_c, other, beside_c)
-    _place(mesh, other, a, d, c, over_b, beside_b, triangle)
-    _relink(triangles, over_c, other, triangle)
-    _relink(triangles, beside_b, triangle, other)
-
-
-@njit(types.void(MESH, *[WORD] * 4, types.boolean), **INLINED)
-def _hide(mesh, triangle, i, other, third, second):  # type: ignore[no-untyped-def]
-    """Merge the three triangles of b (`second`) or c into `triangle`, with a first."""
-    triangles = mesh.triangles
-    j = edge_to(triangles, other, triangle)
-    hidden_at, kept_at = ((i + 1) % 3, (i + 2) % 3) if second else ((i + 2) % 3, (i + 1) % 3)
-    a, d = triangles[triangle, i], triangles[other, j]
-    hidden, kept = triangles[triangle, hidden_at], triangles[triangle, kept_at]
-    beside = triangles[triangle, ACROSS + hidden_at]
-    over = triangles[other, ACROSS + corner_at(triangles, other, hidden)]
-    beyond = triangles[third, ACROSS + corner_at(triangles, third, hidden)]
-    if second:
-        _place(mesh, triangle, a, d, kept, over, beside, beyond)
-    else:
-        _place(mesh, triangle, a, kept, d, over, beyond, beside)
-    _relink(triangles, over, other, triangle)
-    _relink(triangles, beyond, third, triangle)
-    mesh.triangle_of[hidden] = NOTHING
-    triangles[other, 0] = triangles[third, 0] = NOTHING
-    freed = mesh.count[FREE]
-    mesh.free[freed], mesh.free[freed + 1] = other, third
-    mesh.count[FREE] = freed + 2
-
-
-@njit(types.void(MESH, *[WORD] * 6), **INLINED)
-def carry_out(mesh, triangle, i, kind, other, near, far):  # type: ignore[no-untyped-def]
-    """Do what `plan` says. Corner a comes first in what is left: `triangle`, and, where there is
-    a flip, `other`.
-    """
-    if kind not in (HIDE_SECOND, HIDE_THIRD):
-        _flip(mesh, triangle, i, other)
-        if kind == FLIP:
-            return
-        if kind == FLIP_HIDE_THIRD:
-            triangle = other
-        i, other = 0, far
-    _hide(mesh, triangle, i, other, near, kind in (HIDE_SECOND, FLIP_HIDE_SECOND))
 
 
 @njit(WORD(MESH, WORD, WORD, WORD), **INLINED)
@@ -336,7 +150,8 @@ def irregular_edges(mesh):  # type: ignore[no-untyped-def]
 
 def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
     """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
-    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3]
+    corners = corners[corners[:, 0] != NOTHING].astype(np.int64) - SENTINELS
     ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
     return np.sort(order[ends], axis=1)

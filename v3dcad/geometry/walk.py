@@ -17,14 +17,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
-from v3dcad.geometry.triangulation import (
-    ACROSS,
-    MESH,
-    NOTHING,
-    SENTINELS,
-    corner_at,
-    edge_to,
-)
+from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, SENTINELS, corner_at, edge_to
 
 EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's

@@ -35,13 +35,15 @@ from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError
 from v3dcad.geometry.critical import critical_points
-from v3dcad.geometry.curves import curve_at
+from v3dcad.geometry.curves import curve_points
+from v3dcad.geometry.gapes import GAPE
 from v3dcad.geometry.mesh_section import pair_sides
 from v3dcad.geometry.poles import with_meridians
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_refining import refined
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surfaces import surface_points
 from v3dcad.kernel.packing import Packer
+from v3dcad.model import Ints
 
 DEFLECTION = 0.002
 """Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
@@ -93,15 +95,18 @@ def _is_inside(face: TopoDS_Face, u: float, v: float) -> bool:
 
 
 class _Collector:
-    """Triangles of face after face. A "corner" is a node of one face's own triangulation."""
+    """Triangles of face after face. A "corner" is a node of one face's own triangulation.
+
+    Numbers are gathered flat: thousands of small tuples would keep Python's garbage collector busy.
+    """
 
     def __init__(self) -> None:
         self.packer = Packer()
         self.faces: list[TopoDS_Face] = []
         self.surfaces: list[int] = []
-        self.triangles: list[tuple[int, int, int]] = []
-        self.owner: list[int] = []
-        self.corner_uv: list[tuple[float, float]] = []
+        self.gapes: list[float] = []
+        self.triangles: list[Ints] = []
+        self.corner_uv: list[float] = []
         self.corner_node: list[int] = []
         self.corner_face: list[int] = []
         self.poles: list[int] = []
@@ -130,22 +135,27 @@ class _Collector:
                 f"face {len(self.faces) + 1} cannot be triangulated: "
                 "heal the part where it was made"
             )
-        first = len(self.corner_uv) - 1
+        first = len(self.corner_node) - 1
         count = facets.NbNodes()
-        self.corner_uv += [facets.UVNode(i).Coord() for i in range(1, count + 1)]
+        for i in range(1, count + 1):
+            self.corner_uv += facets.UVNode(i).Coord()
         self.corner_node += [-1] * count
         self.corner_face += [len(self.faces)] * count
+        tolerance = 0.0
         for edge in map(TopoDS.Edge_s, _subshapes(face, TopAbs_EDGE)):
+            tolerance = max(tolerance, BRep_Tool.Tolerance_s(edge))
             polygon = BRep_Tool.PolygonOnTriangulation_s(edge, facets, place)
             if polygon is not None:
                 self._add_boundary(edge, polygon, first)
-        order = (0, 2, 1) if face.Orientation() == TopAbs_REVERSED else (0, 1, 2)
-        a, b, c = order
+        corners: list[int] = []
         for i in range(1, facets.NbTriangles() + 1):
-            corners = facets.Triangle(i).Get()
-            self.triangles.append((first + corners[a], first + corners[b], first + corners[c]))
-        self.owner += [len(self.faces)] * facets.NbTriangles()
+            corners += facets.Triangle(i).Get()
+        triangles = np.array(corners, np.int64).reshape(-1, 3) + first
+        if face.Orientation() == TopAbs_REVERSED:
+            triangles = triangles[:, [0, 2, 1]]
+        self.triangles.append(triangles)
         self.faces.append(face)
+        self.gapes.append(tolerance if tolerance > GAPE else 0.0)
         self.surfaces.append(self.packer.surface(BRep_Tool.Surface_s(face)))
 
     def _add_boundary(self, edge: TopoDS_Edge, polygon: Any, first: int) -> None:
@@ -182,20 +192,21 @@ class _Collector:
     def mesh(self) -> SurfaceMesh:
         heap = self.packer.heap()
         surfaces = np.array(self.surfaces, np.int64)
-        triangles = np.array(self.triangles, np.int64).reshape(-1, 3)
+        triangles = np.concatenate([np.empty((0, 3), np.int64), *self.triangles])
         uv = np.array(self.corner_uv).reshape(-1, 2)
-        owner = np.array(self.owner, np.int64)
+        owner = np.repeat(np.arange(len(self.faces)), [len(found) for found in self.triangles])
         node_of = np.array(self.corner_node, np.int64)
         inner = np.flatnonzero(node_of < 0)
         node_of[inner] = len(self.nodes) + np.arange(len(inner))
         nodes = np.array(self.nodes + [(0.0, 0.0, 0.0)] * len(inner))
-        for node in np.flatnonzero(np.isnan(nodes[:, 0])):
-            nodes[node] = curve_at(heap, int(nodes[node, 1]), nodes[node, 2])[:3]
-        for corner in inner:
-            place = surfaces[self.corner_face[corner]]
-            nodes[node_of[corner]] = surface_at(heap, place, *uv[corner])[0]
+        on_edge = np.flatnonzero(np.isnan(nodes[:, 0]))
+        curves = nodes[on_edge, 1].astype(np.int64)
+        nodes[on_edge] = curve_points(heap, curves, nodes[on_edge, 2])
+        beneath = surfaces[np.array(self.corner_face, np.int64)[inner]]
+        nodes[node_of[inner]] = surface_points(heap, beneath, uv[inner])
         joined = _joined(
-            heap, surfaces, nodes, triangles, uv, owner, node_of, self.stretches, self.stretch_ends
+            *(heap, surfaces, np.array(self.gapes), nodes, triangles, uv, owner, node_of),
+            *(self.stretches, self.stretch_ends),
         )
         return with_meridians(joined, np.isin(triangles, self.poles))
 
@@ -203,6 +214,7 @@ class _Collector:
 def _joined(
     heap: Any,
     surfaces: Any,
+    gapes: Any,
     nodes: Any,
     triangles: Any,
     uv: Any,
@@ -253,4 +265,5 @@ def _joined(
         edge_faces=owner[forward // 3],
         edge_curves=curves,
         edge_spans=spans,
+        gapes=gapes,
     )

@@ -9,22 +9,35 @@ from functools import lru_cache
 
 import numpy as np
 from OCP.BRep import BRep_Tool
-from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.GeomAbs import GeomAbs_Plane
 from OCP.ShapeFix import ShapeFix_Shape
 from OCP.TopAbs import TopAbs_REVERSED
+from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
+from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError, SettingError
+from v3dcad.geometry.gapes import GAPE
 from v3dcad.geometry.surface_ends import exact_ends
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_section import CHORD_TOLERANCE
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
-from v3dcad.kernel.shapes import FACE, SHELL, SOLID, bounds, compound, location, subshapes, volume
+from v3dcad.kernel.shapes import (
+    EDGE,
+    FACE,
+    SHELL,
+    SOLID,
+    bounds,
+    compound,
+    location,
+    subshapes,
+    volume,
+)
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
 TESSELLATION = 0.05
@@ -131,6 +144,7 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
     findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
     solid = _healed(compound(solids), findings)
+    findings += _gaping(solid)
     try:
         box = true_bounds(solid)
     except KernelError as error:
@@ -163,6 +177,24 @@ def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     else:
         findings.append("OCCT finds faults in the shape that it cannot heal: look at the sections")
     return mended
+
+
+def _gaping(solid: TopoDS_Shape) -> list[str]:
+    """What to tell of edges that may stand off their faces, by the tolerance stored with them."""
+    edges = TopTools_IndexedMapOfShape()
+    TopExp.MapShapes_s(solid, EDGE, edges)
+    ids = range(1, edges.Extent() + 1)
+    gapes = np.array([BRep_Tool.Tolerance_s(TopoDS.Edge_s(edges(k))) for k in ids])
+    loose = int((gapes > GAPE).sum())
+    if not loose:
+        return []
+    worst = BRepAdaptor_Curve(TopoDS.Edge_s(edges(int(np.argmax(gapes)) + 1)))
+    at = worst.Value((worst.FirstParameter() + worst.LastParameter()) / 2)
+    return [
+        f"{loose} edges may stand off their faces by up to {gapes.max():.3g} mm, the worst near "
+        f"({at.X():.6g}, {at.Y():.6g}, {at.Z():.6g}): contours step across such gaps, and where "
+        "they cross themselves there the loops are cut off"
+    ]
 
 
 def true_bounds(shape: TopoDS_Shape) -> Floats:

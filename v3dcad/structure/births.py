@@ -13,14 +13,17 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CUT
+from v3dcad.geometry.agenda import LAST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
+from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLE_ROWS
 from v3dcad.geometry.grid import HEAVIEST, STEPS
-from v3dcad.geometry.kinetics import LAST, MOTION, NOW, add_point
-from v3dcad.geometry.triangulation import MESH, NOTHING, POINTS, ROW, SENTINELS, locate
+from v3dcad.geometry.inside import CUT
+from v3dcad.geometry.kinetics import add_point
+from v3dcad.geometry.triangulation import locate
 from v3dcad.structure.holes import (
     BARREN,
     LENGTH,
+    LISTED,
     SHARE,
     SHORTLIST,
     has_parents,
@@ -68,7 +71,7 @@ class Squares(NamedTuple):
 
 
 SQUARES = TupleType([ROW, ROW, types.int64[::1]], Squares)
-LISTED, FASTEST = range(2)
+COUNT, FASTEST = range(2)
 
 
 def no_squares(points: int) -> Squares:
@@ -84,13 +87,13 @@ def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
     """List the points that are not listed yet."""
     points, first, following = mesh.points, squares.first, squares.following
     side = int(np.sqrt(len(first)))
-    for point in range(squares.state[LISTED], mesh.count[POINTS]):
+    for point in range(squares.state[COUNT], mesh.count[POINTS]):
         row, column = points[point, 1] * side // STEPS, points[point, 0] * side // STEPS
         square = min(row, side - 1) * side + min(column, side - 1)
         following[point] = first[square]
         first[square] = point
         squares.state[FASTEST] = max(squares.state[FASTEST], growth[point])
-    squares.state[LISTED] = mesh.count[POINTS]
+    squares.state[COUNT] = mesh.count[POINTS]
 
 
 @njit(
@@ -98,8 +101,8 @@ def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
     **INTERNAL,
 )
 def keeps_distance(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
-    """Whether a site at (x, y) is apart from every listed point that is not hidden, and from all
-    points from `before` on.
+    """Whether a site at (x, y) is apart from every listed point that is not hidden, in another
+    place than those that are, and apart from all points from `before` on.
     """
     points, live, first = mesh.points, mesh.triangle_of, squares.first
     side, farthest = int(np.sqrt(len(first))), (squares.state[FASTEST] + 1) * reach
@@ -109,6 +112,8 @@ def keeps_distance(mesh, growth, squares, before, x, y, grows, reach):  # type: 
         for column in range(max(west, 0), min(east, side - 1) + 1):
             point = first[row * side + column]
             while point >= 0:
+                if points[point, 0] == x and points[point, 1] == y:
+                    return False
                 if live[point] != NOTHING and not is_apart(
                     points, growth, point, x, y, grows, reach
                 ):
@@ -165,6 +170,21 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
+@njit(types.boolean(POINT_ROWS, TRIANGLE_ROWS, *[WORD] * 5), **INTERNAL)
+def would_hide(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-def]
+    """Whether q, newborn to a, b, c, and any newborn before it might keep each other from having
+    cells: those from point `first` on, with their parents (k, 3).
+
+    Holes may lie in the same place (four sites orthogonal to one circle). A newborn has a cell
+    where its parents' triangle would be regular beside all others.
+    """
+    for sibling in range(len(parents)):
+        d, e, f = parents[sibling, 0], parents[sibling, 1], parents[sibling, 2]
+        if conflicts(points, a, b, c, first + sibling) or conflicts(points, d, e, f, q):
+            return True
+    return False
+
+
 @njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
 def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     """The place of a triangle's newborn, its centroid, and its growth."""
@@ -188,6 +208,7 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
     points, triangles, corners, vertex_of = mesh.points, mesh.triangles, cut.corners, cut.vertex_of
     growth, time, now = motion.growth, motion.state[NOW], float(motion.state[NOW])
     before, born, state = mesh.count[POINTS], 0, shortlist.state
+    parents = np.empty((wanted, 3), np.int32)
     _list_points(mesh, growth, squares)
     for attempt in range(3):  # with the old shortlist, a new one, and all holes
         if attempt == 0 and not look_again(motion, cut, shortlist):
@@ -222,12 +243,16 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
             guess = empty_until(points, q, a, b, c)
             if abs(guess) > HEAVIEST or not weigh_newborn(mesh, q, a, b, c, int(guess)):
                 continue
+            if would_hide(points, parents[:born], before, q, a, b, c):
+                shortlist.listed[triangle] = LISTED  # for the next layer
+                continue
             growth[q], motion.base[q] = grows, points[q, 2] - grows * time
             if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:
                 continue
             motion.born[q] = time
             mesh.count[POINTS] += 1
             add_point(mesh, motion, triangle, q)
+            parents[born, 0], parents[born, 1], parents[born, 2] = a, b, c
             born += 1
         if born == wanted:
             break

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.cut import cut_with_room, empty_cut
+from v3dcad.geometry.agenda import STRUTS, with_log
+from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import Grid
-from v3dcad.geometry.kinetics import ALWAYS, STRUTS, end_all, motion_of, with_log, with_room
+from v3dcad.geometry.inside import cut_with_room, empty_cut
+from v3dcad.geometry.kinetics import end_all, motion_of, with_room
 from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.tree import empty_tree, tree_with_room
-from v3dcad.geometry.triangulation import NOTHING, POINTS, SENTINELS, TRIANGLES, triangulation
-from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.geometry.triangulation import triangulation
+from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.births import no_squares
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.layers import (
@@ -28,6 +29,7 @@ from v3dcad.structure.layers import (
     Run,
     run,
 )
+from v3dcad.structure.timed import SiteStates, Timed
 from v3dcad.structure.walls import Tracks
 
 FAULTS = {
@@ -35,33 +37,6 @@ FAULTS = {
     "counter-clockwise, holes clockwise",
     OPEN_WALK: "a ring of its section does not close",
 }
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Timed(Value):
-    """Sites whose weights are linear in a whole time, in grid units. Rows are the engine's points:
-    sites along a curve first, newborns after them.
-    """
-
-    places: Ints
-    """(n, 2) grid steps"""
-    base: Ints
-    """(n,) steps²: weight at time 0"""
-    growth: Ints
-    """(n,) steps² per unit of time"""
-    born: Ints
-    """(n,) time of birth, or `ALWAYS`"""
-    site_of: Ints
-    """(n,) site numbers"""
-
-    def rows(self, rows: Ints | slice) -> Timed:
-        """Some rows only, or in another order."""
-        columns = (self.places, self.base, self.growth, self.born, self.site_of)
-        return Timed(*(column[rows] for column in columns))
-
-    def by_site(self) -> Timed:
-        """In the order of the sites' numbers."""
-        return self.rows(np.argsort(self.site_of, kind="stable"))
 
 
 class Course:
@@ -84,7 +59,8 @@ class Course:
         self.heights = heights
         self.times = times_of(heights, growth_step, grid)
         self._curve = sites.site_of
-        self._rank = np.argsort(sites.site_of)
+        self._born_at = sites.born_at
+        self._states = SiteStates(grid, growth_step, sites)
         first, last = int(self.times[0]), int(self.times[-1])
         self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
         growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
@@ -94,18 +70,20 @@ class Course:
         self._squares, self._shortlist = no_squares(room), no_shortlist(slots)
         self.motion.born[SENTINELS:] = sites.born
 
-    def sites(self) -> Timed:
-        """All sites up to now, newborns among them."""
-        count = int(self.mesh.count[POINTS]) - SENTINELS
-        rows = slice(SENTINELS, SENTINELS + count)
-        site_of = np.arange(count)
-        site_of[: len(self._curve)] = self._curve
+    def sites(self, start: int = 0) -> Timed:
+        """All sites up to now from row `start` on, newborns among them."""
+        count, old = int(self.mesh.count[POINTS]) - SENTINELS, len(self._curve)
+        rows = slice(SENTINELS + start, SENTINELS + count)
+        born = self.motion.born[rows].copy()
+        newborn = max(old - start, 0)
+        layers = np.searchsorted(self.times, born[newborn:])
         return Timed(
             self.mesh.points[rows, :2].copy(),
             self.motion.base[rows].copy(),
             self.motion.growth[rows].copy(),
-            self.motion.born[rows].copy(),
-            site_of,
+            born,
+            np.concatenate([self._born_at[start:], self.heights[layers]]),
+            np.concatenate([self._curve[start:], np.arange(max(start, old), count)]),
         )
 
     def run(self, sections: Sequence[Section], index: int, full_cell: float) -> Iterator[Layer]:
@@ -202,21 +180,8 @@ class Course:
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""
-        grid, sites = self.grid, self.sites()
-        sites = sites.rows(
-            np.concatenate([self._rank, np.arange(len(self._rank), len(sites.site_of))])
-        )
-        places, speed = (
-            grid.millimetres(sites.places),
-            self.growth_step * sites.growth.astype(np.float64),
-        )
-        born_at, newborn = np.zeros(len(sites.born)), np.nonzero(sites.born != ALWAYS)[0]
-        born_at[newborn] = self.heights[
-            np.searchsorted(self.times, sites.born[newborn]) % len(self.heights)
-        ]
-        # Whole numbers as floats: exact (see `grid.py`).
-        base, growth = sites.base.astype(np.float64), sites.growth.astype(np.float64)
-        for array in (places, speed, born_at, made.vertices, made.edges, made.sites, made.tree):
+        self._states.add(self.sites(len(self._states)))
+        for array in (made.vertices, made.edges, made.sites, made.tree):
             array.flags.writeable = False  # so that the values need no views of their own
         edge_rows, pair_rows, tree_rows = (
             rows.tolist() for rows in (made.edge_rows, made.pair_rows, made.tree_rows)
@@ -230,14 +195,11 @@ class Course:
                 neighbours = made.sites[row : pair_rows[graph]]
                 tree = made.tree[tree_rows[graph] : tree_rows[graph + 1]]
             count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
-            weights = growth[:count] * float(self.times[index + layer])
-            weights += base[:count]
-            weights *= grid.pitch**2
             vertices = made.vertices[made.vertex_rows[layer] : made.vertex_rows[layer + 1]]
             yield Layer(
                 index + layer,
                 sections[layer],
-                SiteState(places[:count], weights, speed[:count], born_at[:count]),
+                self._states.at(count, int(self.times[index + layer])),
                 Diagram(vertices, edges, edge_sites, neighbours),
                 tree,
                 float(made.areas[layer]) / max(cells, 1),

@@ -11,20 +11,21 @@ from functools import cached_property
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.grid import Grid, curve_order
-from v3dcad.geometry.kinetics import ALWAYS
+from v3dcad.geometry.agenda import ALWAYS
+from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
-from v3dcad.structure.course import Course, Timed, times_of
+from v3dcad.structure.course import Course, times_of
 from v3dcad.structure.growth import growing, rounded_down, settled_offset
 from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.structure.timed import Timed
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
 """Most layers that are computed in one go, and"""
-VERTICES_AT_ONCE = 1 << 16
+VERTICES_AT_ONCE = 1 << 18
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
 
@@ -38,7 +39,9 @@ def fill_sections(
     """Fill sections (ascending in z) with the power diagrams of sites (n, 2), mm.
 
     At z = 0 all weights are 0, and the spanning tree of the sites' Voronoi diagram picks every
-    second of its levels to grow: they gain `settings.offset` mm² of weight a layer, linear in z.
+    second of its levels to grow (its root, the first site along a Hilbert curve, stays, so that
+    the order in which they are given does not matter): they gain `settings.offset` mm² of weight a
+    layer, linear in z.
     Where cells become larger than on the first layer, new ones are born (unless
     `settings.insertion` is off). With `settings.method` "thesis" the thesis's own algorithms make
     the layers. Sites on the same grid point are merged, with a warning.
@@ -54,14 +57,20 @@ def fill_sections(
     sites = np.asarray(sites, np.float64).reshape(-1, 2)
     if not len(sites):
         raise GeometryError("there are no sites: give at least one")
+    for index, section in enumerate(sections):
+        if any(len(ring) < 3 for ring in section.rings):
+            raise GeometryError("one of its rings has fewer than three corners", layer=index)
     heights = np.array([section.z for section in sections])
     for layer in np.nonzero(~np.isfinite(heights))[0]:
         raise GeometryError("its height is not a finite number", layer=int(layer))
+    for layer in np.nonzero(heights < 0)[0]:
+        raise GeometryError("it lies below z = 0: place the part on the bed", layer=int(layer))
     for layer in np.nonzero(np.diff(heights) <= 0)[0]:
         raise GeometryError(
             "it does not lie above the layer before: sort the sections by z", layer=int(layer) + 1
         )
-    low, high = _bounds(sections, sites) if box is None else _around(sites, box)
+    box = _bounds(sections) if box is None else box
+    low, high = _around(sites, box)
     grid = Grid.around(low, high)
     places = grid.snap(sites)
     kept = np.sort(np.unique(places, axis=0, return_index=True)[1])
@@ -78,14 +87,28 @@ def fill_sections(
 
 
 def _around(sites: Floats, box: Floats) -> tuple[Floats, Floats]:
-    """The box low, high (2,), mm, around another and all sites that are finite numbers."""
+    """The box low, high (2,), mm, around another and all sites that are finite numbers.
+
+    Raises `GeometryError` for one so far outside that the grid around all would be coarse.
+    """
+    reach = 100 * (box[1] - box[0]).max()
+    if reach > 0:
+        far = (sites < box[0] - reach) | (sites > box[1] + reach)
+        for site in np.nonzero((far & np.isfinite(sites)).any(axis=1))[0]:
+            x, y = sites[site]
+            raise GeometryError(
+                f"({x:g}, {y:g}) mm is more than {reach:g} mm outside the part's base rectangle, "
+                f"({box[0, 0]:g}, {box[0, 1]:g}) to ({box[1, 0]:g}, {box[1, 1]:g}) mm: move it "
+                "nearer",
+                site=int(site),
+            )
     sound = sites[np.isfinite(sites).all(axis=1)]
     low = np.minimum(box[0], sound.min(axis=0, initial=np.inf))
     return low, np.maximum(box[1], sound.max(axis=0, initial=-np.inf))
 
 
-def _bounds(sections: Sequence[Section], sites: Floats) -> tuple[Floats, Floats]:
-    """The box low, high (2,), mm, around all rings and all sites that are finite numbers."""
+def _bounds(sections: Sequence[Section]) -> Floats:
+    """The corners low and high (2, 2), mm, of the box around all rings; infinite without any."""
     low, high = [np.full(2, np.inf)], [np.full(2, -np.inf)]
     for start in range(0, len(sections), AT_ONCE):
         chunk = sections[start : start + AT_ONCE]
@@ -98,7 +121,7 @@ def _bounds(sections: Sequence[Section], sites: Floats) -> tuple[Floats, Floats]
                         raise GeometryError("its rings are not finite numbers", layer=layer)
             low.append(corners.min(axis=0))
             high.append(corners.max(axis=0))
-    return _around(sites, np.stack([np.min(low, axis=0), np.max(high, axis=0)]))
+    return np.stack([np.min(low, axis=0), np.max(high, axis=0)])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -148,24 +171,27 @@ class Filling:
         """the base rectangle: corners (4, 2), mm, of the box around all sections and sites"""
         order = curve_order(places)
         still = np.zeros(len(places), np.int64)
-        pairs = neighbour_pairs(triangulation(places[order], still), order)
+        places = places[order]
+        pairs = neighbour_pairs(triangulation(places, still), np.arange(len(places)))
         grows = growing(len(places), spanning_tree(places, pairs))
         self._heights = np.array([section.z for section in sections], np.float64)
-        layers = np.abs(self._heights).max(initial=0.0) / settings.layer_height
+        layers = self._heights.max(initial=0.0) / settings.layer_height
         safe = grid.heaviest / layers if layers else math.inf
         offset = settled_offset(settings, grid.millimetres(places), grows, safe)
         if offset > safe:
             raise GeometryError(
                 f"--offset {offset:g} takes its weight beyond the safe range of "
-                f"{grid.heaviest:g} mm²; at most {rounded_down(safe)} does not",
-                site=int(np.argmax(grows)),
+                f"±{grid.heaviest:g} mm²: give at most {rounded_down(safe)}",
+                site=int(order[np.argmax(grows)]),
             )
         self.settings = replace(settings, offset=offset)
         """the settings, with the offset that "auto" stands for"""
         self.growth_step = offset / settings.layer_height
         """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
         always = np.full(len(places), ALWAYS)
-        self._start = Timed(places[order], still, grows[order].astype(np.int64), always, order)
+        self._start = Timed(
+            places, still, grows.astype(np.int64), always, np.zeros(len(places)), order
+        )
         self._passed: Course | None = None
 
     @property
@@ -224,11 +250,26 @@ class Filling:
         """The layer with a given index of any section at any height, computed by itself."""
         sites = self.history.sites
         heights = np.array([section.z])
+        self._refuse_heavy(sites, section.z)
         time = times_of(heights, self.growth_step, self.grid)[0]
         alive = int(np.count_nonzero(sites.born <= time))
         course = self._course(sites.rows(slice(alive)), heights)
         layer = next(course.run([section], 0, np.inf))
         return replace(layer, index=index)
+
+    def _refuse_heavy(self, sites: Timed, height: float) -> None:
+        """Raise `GeometryError` where sites that there are at a height weigh too much there."""
+        time = height * self.growth_step / self.grid.pitch**2
+        if not math.isfinite(time):
+            raise GeometryError("its height is not a finite number")
+        unborn = (sites.born != ALWAYS) & (sites.born > time)
+        safe = np.abs(sites.base + sites.growth * time) <= HEAVIEST
+        for row in np.nonzero(~(safe | unborn))[0]:
+            raise GeometryError(
+                f"its weight at a height of {height:g} mm is beyond the safe range of "
+                f"±{self.grid.heaviest:g} mm²: lower the offset or the height",
+                site=int(sites.site_of[row]),
+            )
 
     def _course(self, sites: Timed, heights: Floats) -> Course:
         slope = math.tan(math.radians(self.settings.max_overhang))

@@ -12,10 +12,10 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CUT, FRESH, TOO_MANY, VERTICES
+from v3dcad.geometry.agenda import ALWAYS, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, WORD
-from v3dcad.geometry.kinetics import ALWAYS, MOTION, NOW
-from v3dcad.geometry.triangulation import ROW
+from v3dcad.geometry.flips import ROW
+from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
 
 FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
 

@@ -12,12 +12,14 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.cut import CROSSED, CUT, VERTICES, WHOLE, count_cells, renew_cut
+from v3dcad.geometry.agenda import EVERYTHING, MOTION, STRUTS, TOUCHED
+from v3dcad.geometry.cut import count_cells, renew_cut
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.flips import MESH, POINTS
 from v3dcad.geometry.graph import place_vertices, write_edges
-from v3dcad.geometry.kinetics import EVERYTHING, MOTION, STRUTS, TOUCHED, advance
+from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.kinetics import advance
 from v3dcad.geometry.tree import TREE, renew_tree, write_tree
-from v3dcad.geometry.triangulation import MESH, POINTS
 from v3dcad.geometry.walk import (
     EDGE,
     FLOAT_ROWS,
@@ -269,7 +271,7 @@ def run(  # type: ignore[no-untyped-def]
                 mesh, cut, site_of, stepped, starts, after, begun_in, crossings, at, count,
                 next_on, edges, sites, row,
             )  # fmt: skip
-            renew_tree(mesh, cut, tree, site_of)
+            renew_tree(mesh, cut, tree)
             row = tree_rows[graph]
             branches = _with_room(branches, row, mesh.count[POINTS])
             tree_rows[graph + 1] = write_tree(mesh, tree, site_of, branches, row)

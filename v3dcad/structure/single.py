@@ -6,10 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from v3dcad.geometry.agenda import ALWAYS
 from v3dcad.geometry.grid import Grid, curve_order
-from v3dcad.geometry.kinetics import ALWAYS
 from v3dcad.model import Diagram, Floats, Section
-from v3dcad.structure.course import Course, Timed
+from v3dcad.structure.course import Course
+from v3dcad.structure.timed import Timed
 
 Engine = Callable[[Floats, Floats, Section], Diagram]
 """(sites (n, 2) mm, weights (n,) mm², section) → their power diagram inside the section."""
@@ -25,7 +26,8 @@ def diagrams_on(grid: Grid) -> Engine:
         places, heavy = grid.snap(sites), grid.snap_weights(weights)
         order = curve_order(places)
         still, always = np.zeros(len(order), np.int64), np.full(len(order), ALWAYS)
-        standing = Timed(places[order], heavy[order], still, always, order)
+        bed = np.zeros(len(order))
+        standing = Timed(places[order], heavy[order], still, always, bed, order)
         course = Course(grid, standing, 0.0, np.array([section.z]), slope=1.0)
         return next(course.run([section], 0, np.inf)).diagram
 

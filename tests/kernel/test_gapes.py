@@ -1,0 +1,122 @@
+"""Parts whose edges stand off their faces: sections that can be filled, and what they enclose."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from OCP.BRep import BRep_Builder
+from OCP.GeomAPI import GeomAPI_Interpolate
+from OCP.gp import gp_Pnt
+from OCP.TColgp import TColgp_HArray1OfPnt
+from OCP.TopoDS import TopoDS
+
+import v3dcad
+from tests.kernel import shapes
+from tests.kernel.exact import breaks, closed_volume, exact_area, face_volume, integrated
+from tests.parts import part_file, ring_area
+from v3dcad.geometry.gapes import GAPE
+from v3dcad.kernel.mesh import surface_mesh
+from v3dcad.kernel.part import solid_part
+from v3dcad.kernel.section import section_solids
+from v3dcad.kernel.shapes import EDGE, bounds, subshapes
+
+CTC_02 = "nist_ctc_02_asme1_rc.stp"
+
+
+def dented_box(x: float, y: float, tolerance: float):
+    """A box 4 × 6 × 10 whose edge at x = y = 0 is a curve that bends to (x, y) half way up."""
+    box = shapes.box((0, 0, 0), (4, 6, 10))
+    edges = map(TopoDS.Edge_s, subshapes(box, EDGE))
+    edge = next(edge for edge in edges if np.allclose(bounds(edge)[:, :2], 0, atol=1e-6))
+    array = TColgp_HArray1OfPnt(1, 3)
+    for k, place in enumerate([(0, 0, 0), (x, y, 5), (0, 0, 10)], start=1):
+        array.SetValue(k, gp_Pnt(*place))
+    spline = GeomAPI_Interpolate(array, False, 1e-9)
+    spline.Perform()
+    builder = BRep_Builder()
+    builder.UpdateEdge(edge, spline.Curve(), tolerance)
+    builder.Range(edge, 0.0, spline.Curve().LastParameter())
+    return box
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "lost"),
+    [
+        (-0.05, -0.03, 0.0),  # outwards of both faces: a loop, cut off where they meet
+        (0.05, 0.03, 0.05 * 0.03),  # inwards: a step from either face to the edge
+        (-0.05, 0.0, 0.0),  # along one face and off the other: to and fro
+        (0.0, -0.05, 0.0),
+        (-0.05, 0.03, 0.0),
+    ],
+)
+def test_straight_runs_lie_on_their_faces(x: float, y: float, lost: float) -> None:
+    shape = dented_box(x, y, 0.06)
+    (section,) = section_solids(shape, np.array([5.0]))
+    (ring,) = section.rings
+    assert shapely.LinearRing(ring).is_simple
+    # To second order in the gape; leaning from edge to edge would lose (4 y + 6 x) / 2.
+    assert ring_area(ring) == pytest.approx(24 - lost, abs=1e-12 + abs(x * y))
+    at = 0
+    for run in section.runs:
+        assert run.curve == "line"
+        assert run.start == at
+        at = run.stop
+    assert at == len(ring)
+    long = [run for run in section.runs if np.ptp(ring[[run.start, run.stop % at]]) > 1]
+    for run in long:
+        assert np.ptp(ring[[run.start, run.stop % at]], axis=0).min() < 1e-12
+    assert len({run.face for run in long}) == 4
+
+
+def test_an_edge_that_hardly_stands_off_is_left_alone() -> None:
+    (section,) = section_solids(dented_box(GAPE / 4, GAPE / 4, GAPE / 2), np.array([5.0]))
+    assert [run.curve for run in section.runs] == ["line"] * 4
+    assert len(section.rings[0]) == 4
+
+
+def test_gapes_are_told_once_for_the_part() -> None:
+    part = solid_part(dented_box(0.05, 0.03, 0.06), "a", "a")
+    (told,) = part.findings
+    assert told.startswith(
+        "1 edges may stand off their faces by up to 0.06 mm, the worst near (0.0"
+    )
+    assert solid_part(shapes.box((0, 0, 0), (1, 1, 1)), "a", "a").findings == ()
+
+
+def test_a_real_part_that_gapes_can_be_filled() -> None:
+    part = v3dcad.place_on_bed(part_file(CTC_02))
+    assert any("stand off their faces by up to 0.108 mm" in told for told in part.findings)
+    heights = part.bounds[1, 2] * (np.arange(100) + 0.5) / 100
+    for section in part.sections(np.append(30.0, heights[np.argsort(heights) > 7])):
+        rings = shapely.multilinestrings([shapely.linearrings(ring) for ring in section.rings])
+        assert shapely.is_simple(rings), section.z
+        for number in range(len(section.rings)):
+            runs = [run for run in section.runs if run.ring == number]
+            stops = [run.stop for run in runs]
+            assert [0, *stops] == [*(run.start for run in runs), len(section.rings[number])]
+    structure = v3dcad.fill(part, layer_height=20, sites=10)
+    for layer in structure.layers:
+        cells = layer.diagram.areas(len(layer.state.sites)).sum()
+        assert cells == pytest.approx(sum(map(ring_area, layer.section.rings)), rel=1e-9)
+    assert structure.findings() == list(part.findings)
+
+
+@pytest.mark.long
+def test_sections_enclose_the_volume_that_the_closed_faces_do() -> None:
+    """GProp's volume of gaping faces is not one number: it depends on the point that its cones
+    start from. With the gapes closed by strips it is, and it is the sections'.
+    """
+    shape = shapes.nist("ctc_02_asme1_rc")
+    mesh = surface_mesh(shape)
+    found = integrated(
+        breaks(shape, mesh),
+        lambda planes: np.array([exact_area(s) for s in section_solids(mesh, planes, 2e-4)]),
+        8,
+    )
+    low, high = bounds(shape)
+    apices = [np.array([low[0], low[1], high[2]]), np.array([high[0], high[1], low[2]])]
+    one, other = (face_volume(shape, apex) for apex in apices)
+    assert abs(one - other) > 1e-5 * found
+    for apex in apices:
+        assert found == pytest.approx(closed_volume(shape, apex), rel=1e-7)

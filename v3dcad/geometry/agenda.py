@@ -1,0 +1,202 @@
+"""How points grow, and the heap of moments at which something is due.
+
+A point weighs base + growth · time, in whole grid units, so that the power test of an edge is
+linear in time: the moment at which it fails is known. The moments are floats, a little early.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.core.types import NamedTuple as TupleType
+
+from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.flips import ROW, TRIANGLE_ROWS
+
+NEVER = np.inf
+
+
+ALWAYS = -(1 << 62)
+
+
+ROUNDING = 4e-15
+"""Bound of the relative error of the floating power test (some 20 operations)."""
+
+
+DUE, STRUTS, TOUCHED, NOW, LAST = range(5)
+"""What `Motion.state` holds: heap and log length, how many triangles have been touched, the whole
+time that the weights belong to, and the last time that will be asked for."""
+
+
+EVERYTHING = -1
+"""How many triangles have been touched when there is no telling which."""
+
+
+class Motion(NamedTuple):
+    """How the points of a triangulation grow, and what is due when."""
+
+    base: Any
+    """(p,) int64: weight at time 0, steps²"""
+    growth: Any
+    """(p,) int64: weight gained in one unit of time, steps²"""
+    born: Any
+    """(p,) int64: time of birth; `ALWAYS` for points that were there from the start"""
+    begun: Any
+    """(t,) float64: when each triangle came to be"""
+    stamp: Any
+    """(3 t,) int32: which entry of the heap about this edge is valid"""
+    due: Any
+    """(h,) float64: heap of moments"""
+    due_edge: Any
+    """(h, 2) int32: 3 · triangle + edge, and its stamp"""
+    struts: Any
+    """(s, 3) int32: log of ended triangles, smallest point first"""
+    spans: Any
+    """(s, 2) float64: when each began and ended"""
+    touched: Any
+    """(t,) int32: triangles that came, changed or went since somebody last emptied this list"""
+    moment: Any
+    """(1,) float64: the latest event"""
+    state: Any
+    """(5,) int64"""
+
+
+MOTION = TupleType(
+    [
+        types.int64[::1],
+        types.int64[::1],
+        types.int64[::1],
+        types.float64[::1],
+        ROW,
+        types.float64[::1],
+        TRIANGLE_ROWS,
+        TRIANGLE_ROWS,
+        types.float64[:, ::1],
+        ROW,
+        types.float64[::1],
+        types.int64[::1],
+    ],
+    Motion,
+)
+
+
+TIME = types.float64
+
+
+@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INLINED)
+def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
+    """Where the orthocentre of a triangle is at time 0, and how it moves per unit of time.
+
+    (x, y, x velocity, y velocity) in grid steps. The smallest point comes first, so that the same
+    triangle gives the same bits whatever its history.
+    """
+    if b < a and b < c:
+        a, b, c = b, c, a
+    elif c < a and c < b:
+        a, b, c = c, a, b
+    x, y = points[a, 0], points[a, 1]
+    bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
+    half = 0.5 / (bx * cy - by * cx)
+    still_b = float(bx * bx + by * by - base[b] + base[a])
+    still_c = float(cx * cx + cy * cy - base[c] + base[a])
+    grown_b, grown_c = growth[a] - growth[b], growth[a] - growth[c]
+    return (
+        x + (cy * still_b - by * still_c) * half,
+        y + (bx * still_c - cx * still_b) * half,
+        (cy * grown_b - by * grown_c) * half,
+        (bx * grown_c - cx * grown_b) * half,
+    )
+
+
+@njit(types.UniTuple(TIME, 2)(POINT_ROWS, types.int64[::1], *[WORD] * 5), **INLINED)
+def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
+    """When d gets into the orthocircle of a, b, c: the moment, and a bound that is surely earlier.
+
+    The moment is `NEVER` where the weights do not bring them closer. Then the bound is too, unless
+    the four may be orthogonal to one circle for good: that is for the exact test to say, now.
+    """
+    dx, dy, weight, speed = points[d, 0], points[d, 1], points[d, 2], growth[d]
+    ax, ay = points[a, 0] - dx, points[a, 1] - dy
+    bx, by = points[b, 0] - dx, points[b, 1] - dy
+    cx, cy = points[c, 0] - dx, points[c, 1] - dy
+    of_a, of_b, of_c = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
+    slope = of_a * (speed - growth[a]) + of_b * (speed - growth[b]) + of_c * (speed - growth[c])
+    from_a = float(ax * ax + ay * ay - points[a, 2] + weight) * of_a
+    from_b = float(bx * bx + by * by - points[b, 2] + weight) * of_b
+    from_c = float(cx * cx + cy * cy - points[c, 2] + weight) * of_c
+    power = from_a + from_b + from_c
+    doubt = ROUNDING * (abs(from_a) + abs(from_b) + abs(from_c))
+    if slope <= 0:
+        return NEVER, now if power + doubt >= 0.0 else NEVER
+    return now - power / slope, now - (power + doubt) / slope
+
+
+@njit(types.void(MOTION, WORD, WORD), **INLINED)
+def _sift(motion, at, length):  # type: ignore[no-untyped-def]
+    """Let the entry at a place of the heap sink to where it belongs."""
+    due, edges = motion.due, motion.due_edge
+    moment, edge, stamp = due[at], edges[at, 0], edges[at, 1]
+    while True:
+        below = 2 * at + 1
+        if below >= length:
+            break
+        if below + 1 < length and due[below + 1] < due[below]:
+            below += 1
+        if due[below] >= moment:
+            break
+        due[at], edges[at, 0], edges[at, 1] = due[below], edges[below, 0], edges[below, 1]
+        at = below
+    due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
+
+
+@njit(types.void(MOTION), **INTERNAL)
+def _drop_stale(motion):  # type: ignore[no-untyped-def]
+    """Take entries out of the heap that no longer hold: what stays is at most one an edge."""
+    due, edges, stamp = motion.due, motion.due_edge, motion.stamp
+    length = 0
+    for at in range(motion.state[DUE]):
+        if stamp[edges[at, 0]] == edges[at, 1]:
+            due[length], edges[length, 0], edges[length, 1] = due[at], edges[at, 0], edges[at, 1]
+            length += 1
+    motion.state[DUE] = length
+    for at in range(length // 2 - 1, -1, -1):
+        _sift(motion, at, length)
+
+
+@njit(types.void(MOTION, TIME, WORD, WORD), **INTERNAL)
+def push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
+    """Enter that an edge is due at a moment; the entry holds while the edge has that stamp."""
+    due, edges, state = motion.due, motion.due_edge, motion.state
+    if state[DUE] == len(due):
+        _drop_stale(motion)
+    at = state[DUE]
+    state[DUE] += 1
+    while at > 0 and due[(at - 1) >> 1] > moment:
+        above = (at - 1) >> 1
+        due[at], edges[at, 0], edges[at, 1] = due[above], edges[above, 0], edges[above, 1]
+        at = above
+    due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
+
+
+@njit(WORD(MOTION), **INTERNAL)
+def pop(motion):  # type: ignore[no-untyped-def]
+    """Take the first entry out; returns its edge, or −1 where it no longer holds."""
+    due, edges, state = motion.due, motion.due_edge, motion.state
+    edge, stamp = edges[0, 0], edges[0, 1]
+    last = state[DUE] - 1
+    state[DUE] = last
+    due[0], edges[0, 0], edges[0, 1] = due[last], edges[last, 0], edges[last, 1]
+    if last > 0:
+        _sift(motion, 0, last)
+    return edge if motion.stamp[edge] == stamp else -1
+
+
+def with_log(motion: Motion, rows: int) -> Motion:
+    """The same with room for so many more struts."""
+    return motion._replace(struts=_longer(motion.struts, rows), spans=_longer(motion.spans, rows))
+
+
+def _longer(array: Any, by: int) -> Any:
+    return np.concatenate([array, np.zeros((by, *array.shape[1:]), array.dtype)])

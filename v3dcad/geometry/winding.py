@@ -1,0 +1,103 @@
+"""Which vertices of a power diagram lie inside rings, told by winding numbers.
+
+They are a potential on the triangles, whose differences across edges the crossings give: where
+those of some triangles fit those of all their neighbours, and the outermost is 0, they are the
+only right ones.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, types
+
+from v3dcad.geometry.exact import INTERNAL, WORD
+from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
+from v3dcad.geometry.inside import CROSSED, CUT
+from v3dcad.geometry.walk import EDGE, ROWS, SIDES, WINDING
+
+UNKNOWN = -2
+
+
+@njit(types.boolean(MESH, SIDES, types.int8[:, ::1], ROW, WORD), **INTERNAL)
+def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
+    """Find the winding numbers of the listed triangles, which are `UNKNOWN`, from those around.
+
+    Returns whether they fit everywhere, and are 0 or 1.
+    """
+    triangles, stack = mesh.triangles, mesh.stack
+    fits, outermost = True, mesh.triangle_of[0]
+    for place in range(count):
+        stack[0], waiting = listed[place], 1
+        begun = inside[listed[place]] != UNKNOWN
+        while waiting > 0:
+            waiting -= 1
+            triangle = stack[waiting]
+            if begun:
+                # Settled: once more around, to settle those across and to see whether it fits.
+                winding = inside[triangle]
+                fits = fits and 0 <= winding <= 1
+            else:
+                winding = UNKNOWN
+            for i in range(3):
+                other = triangles[triangle, ACROSS + i]
+                if other == NOTHING:
+                    continue
+                if triangle < other:
+                    step = gain[3 * triangle + i, 0]
+                else:
+                    step = -gain[3 * other + edge_to(triangles, other, triangle), 0]
+                if inside[other] == UNKNOWN:
+                    if begun:
+                        reached = winding + step
+                        inside[other] = reached if -2 < reached < 3 else -1
+                        stack[waiting] = other
+                        waiting += 1
+                elif not begun:
+                    reached = inside[other] - step
+                    inside[triangle] = reached if -2 < reached < 3 else -1
+                    stack[0], waiting, begun = triangle, 1, True
+                    break
+                else:
+                    fits = fits and inside[other] == winding + step
+    for place in range(count):
+        fits = fits and inside[listed[place]] != UNKNOWN
+    return fits and inside[outermost] == 0
+
+
+@njit(WORD(MESH, CUT, ROWS, WORD, ROW, ROW, WORD), **INTERNAL)
+def chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignore[no-untyped-def]
+    """Chain the crossings on each edge in place of those before; lists the triangles beside edges
+    whose gain has changed, and returns how many are listed.
+    """
+    triangles, inside = mesh.triangles, cut.inside
+    first_on, gain, crossed = cut.first_on, cut.gain, cut.crossed
+    keys, past = np.empty(cut.state[CROSSED] + count, np.int32), cut.state[CROSSED]
+    for place in range(past):
+        keys[place] = crossed[place]
+        first_on[keys[place]] = -1
+    some = 0
+    for crossing in range(count):
+        key = crossings[crossing, EDGE]
+        keys[past + crossing] = key
+        gain[key, 1] += crossings[crossing, WINDING]
+        next_on[crossing] = first_on[key]
+        if first_on[key] < 0:
+            crossed[some] = key
+            some += 1
+        first_on[key] = crossing
+    cut.state[CROSSED] = some
+    for key in keys:
+        if gain[key, 0] != gain[key, 1]:
+            gain[key, 0] = gain[key, 1]
+            for triangle in (np.int64(key // 3), np.int64(triangles[key // 3, ACROSS + key % 3])):
+                if (
+                    triangle != NOTHING
+                    and triangles[triangle, 0] != NOTHING
+                    and inside[triangle] != UNKNOWN
+                ):
+                    inside[triangle] = UNKNOWN
+                    listed[length] = triangle
+                    length += 1
+    for key in keys:
+        gain[key, 1] = 0
+    return length
