@@ -58,11 +58,12 @@ def test_every_orthocircle_is_empty(given_sites):
             assert p * (t * x - u * w) - q * (s * x - u * v) + r * (s * w - t * v) <= 0
 
 
-@given(weighted())
-def test_neighbours_are_the_sides_of_the_triangles(given_sites):
+@given(st.integers(3, 60), st.integers(44, 51), st.integers(0, 10**6))
+def test_neighbours_are_the_sides_of_the_triangles(count, bits, seed):
     """And of no triangle that was there before the heaviest site, which comes last, hid others."""
-    sites, weights = given_sites
-    weights = 16 * np.sort(weights)
+    rng = np.random.default_rng(seed)
+    sites = rng.integers(0, STEPS + 1, (count, 2))
+    weights = np.sort(rng.integers(0, 2**bits, count))
     mesh = triangulation(sites, weights)
     sides = triangles(mesh)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2) - SENTINELS
     expected = {tuple(sorted(side)) for side in sides.tolist() if min(side) >= 0}
