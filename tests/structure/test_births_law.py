@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import shapely
 
 from tests import oracle
 from v3dcad import FillSettings, Section, fill_sections

@@ -48,7 +48,7 @@ def test_no_wall_is_farther_than_the_certificate_says(
 ) -> None:
     """Sites all over the section or all in its middle, layers from the base or high above it."""
     reach, base = place
-    sites = np.random.default_rng(seed).uniform(-reach, reach, (count, 2)) + (8.0, 0.0)
+    sites = np.random.default_rng(seed).uniform(-reach, reach, (count, 2)) + np.array([8.0, 0.0])
     sections = [Section(base + 0.2 * k, (SQUARE * scale**k, HOLE * scale**k)) for k in range(5)]
     layers = list(
         fill_sections(sections, sites, FillSettings(offset=offset, max_overhang=90.0)).layers

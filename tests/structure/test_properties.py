@@ -56,7 +56,7 @@ GRID = np.stack(np.meshgrid([2.5, 7.5], [2.5, 7.5]), axis=-1).reshape(-1, 2)
         pytest.param((SQUARE, HOLE), SCATTERED, 3.0, id="wide beads"),
         pytest.param((UNIT, UNIT + 5), GRID, 0.2, id="contours that touch"),
         pytest.param((STEPS, ASIDE), [[6.0, 1], [10, 8], [4, 1]], 0.2, id="wall along a contour"),
-        pytest.param((UNIT, UNIT + (5.5, 2.0)), GRID, 0.2, id="grid along contours"),
+        pytest.param((UNIT, UNIT + np.array([5.5, 2.0])), GRID, 0.2, id="grid along contours"),
     ],
 )
 def test_beads_are_counted_once_where_they_meet(rings, sites, width) -> None:  # type: ignore[no-untyped-def]

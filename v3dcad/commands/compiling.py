@@ -14,7 +14,7 @@ def announce_compiling() -> None:
         return
     from numba.core import event
 
-    class Announcer(event.Listener):  # type: ignore[misc]
+    class Announcer(event.Listener):
         said = False
 
         def on_start(self, _: object) -> None:
@@ -24,4 +24,4 @@ def announce_compiling() -> None:
 
         def on_end(self, _: object) -> None: ...
 
-    event.register("numba:compile", Announcer())
+    event.register("numba:compile", Announcer())  # type: ignore[no-untyped-call]
