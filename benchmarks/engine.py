@@ -28,7 +28,6 @@ from v3dcad.geometry.triangulation import triangulation
 from v3dcad.model import Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
-from v3dcad.structure.warm_up import warm_up
 
 SLOW_LAYERS = 50
 CASES = [
@@ -156,7 +155,7 @@ def start() -> None:
     print("\nstart")
     with tempfile.TemporaryDirectory() as cache:
         code = "import time; t = time.perf_counter(); import numba; n = time.perf_counter();"
-        code += "from v3dcad.structure.warm_up import warm_up; warm_up();"
+        code += "import v3dcad.structure.overhang, v3dcad.structure.fill;"
         code += "print(n - t, time.perf_counter() - n)"
         for what in ("compiling", "cached"):
             out = subprocess.run(
@@ -173,7 +172,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="leave out what takes minutes")
     quick = parser.parse_args().quick
-    warm_up()
     layer_loop(quick)
     one_diagram([50, 300, 1000, 4000, 7000, 50_000] + ([] if quick else [1_000_000]))
     exponents(quick)

@@ -47,7 +47,9 @@ MAY_IMPORT = {
         "report",
         "slicing",
         "structure",
+        "warm_up",
     },
+    "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors"},
     "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
 }

@@ -11,7 +11,7 @@ from v3dcad.geometry.grid import STEPS, Grid, curve_order
 from v3dcad.geometry.kinetics import advance, motion_of
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.polygon import crossing_segment
-from v3dcad.geometry.triangulation import irregular_edges, triangulation
+from v3dcad.geometry.triangulation import irregular_edges, neighbour_pairs, triangulation
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -56,6 +56,20 @@ def test_every_orthocircle_is_empty(given_sites):
             rows = [[lifted[p][k] - lifted[d][k] for k in range(3)] for p in (a, b, c)]
             (p, q, r), (s, t, u), (v, w, x) = rows
             assert p * (t * x - u * w) - q * (s * x - u * v) + r * (s * w - t * v) <= 0
+
+
+@given(st.integers(3, 60), st.integers(44, 51), st.integers(0, 10**6))
+def test_neighbours_are_the_sides_of_the_triangles(count, bits, seed):
+    """And of no triangle that was there before the heaviest site, which comes last, hid others."""
+    rng = np.random.default_rng(seed)
+    sites = rng.integers(0, STEPS + 1, (count, 2))
+    weights = np.sort(rng.integers(0, 2**bits, count))
+    mesh = triangulation(sites, weights)
+    sides = triangles(mesh)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2) - SENTINELS
+    expected = {tuple(sorted(side)) for side in sides.tolist() if min(side) >= 0}
+    found = neighbour_pairs(mesh, np.arange(len(sites))).tolist()
+    assert len(found) == len(expected)
+    assert set(map(tuple, found)) == expected
 
 
 @given(weighted(), st.integers(0, 10**6))

@@ -95,6 +95,14 @@ def test_layers_obey_the_laws(sites, name, offset):
         laws(layer)
 
 
+def test_a_grid_whose_cells_meet_four_at_a_corner_obeys_the_laws():
+    """At layer 96 of this grid the oracle's half-planes leave corners an ulp apart."""
+    sites = (np.stack(np.meshgrid(*[np.arange(5)] * 2), axis=-1).reshape(-1, 2) - 2.0) * 8
+    filling = fill_sections(stack((SQUARE * 4 - 20,), 97, 0.2), sites, FillSettings())
+    for layer in filling.layers[0], filling.layers[-1]:
+        laws(layer)
+
+
 @given(site_sets(), st.sampled_from(sorted(SECTIONS)))
 def test_tree_is_a_minimum_spanning_tree_of_the_neighbours(sites, name):
     filling = fill_sections(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.errors import SettingError
+from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.regions import section_area
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.growth import largest_offset
@@ -34,13 +35,21 @@ def sampled(layer: Layer, below: Layer) -> Floats:
     return shapely.distance(lines, shapely.points(points))[shapely.contains_xy(area, points)]
 
 
-@settings(max_examples=12)
-@given(st.integers(6, 40), st.integers(0, 1000), st.floats(0.05, 2), st.floats(0.9, 1.1))
+@settings(max_examples=20)
+@given(
+    st.integers(2, 40),
+    st.integers(0, 1000),
+    st.floats(0.05, 2),
+    st.floats(0.9, 1.1),
+    st.sampled_from([(20, 0), (3, 20), (0.5, 0), (0.5, 20), (0.5, 200)]),
+)
 def test_no_wall_is_farther_than_the_certificate_says(
-    count: int, seed: int, offset: float, scale: float
+    count: int, seed: int, offset: float, scale: float, place: tuple[float, float]
 ) -> None:
-    sites = np.random.default_rng(seed).uniform(-20, 20, (count, 2))
-    sections = [Section(0.2 * k, (SQUARE * scale**k, HOLE * scale**k)) for k in range(5)]
+    """Sites all over the section or all in its middle, layers from the base or high above it."""
+    reach, base = place
+    sites = np.random.default_rng(seed).uniform(-reach, reach, (count, 2)) + np.array([8.0, 0.0])
+    sections = [Section(base + 0.2 * k, (SQUARE * scale**k, HOLE * scale**k)) for k in range(5)]
     layers = list(
         fill_sections(sections, sites, FillSettings(offset=offset, max_overhang=90.0)).layers
     )
@@ -88,6 +97,19 @@ def test_walls_beyond_the_section_below_are_told_apart() -> None:
     assert certificate.unsupported[1] == 0
 
 
+def test_over_nothing_all_walls_are_outside() -> None:
+    sites = np.random.default_rng(0).uniform(-20, 20, (40, 2))
+    sections = [Section(0.0, (SQUARE,)), Section(0.2, ()), Section(0.4, (SQUARE,))]
+    layers = fill_sections(sections, sites, FillSettings()).layers
+    certificate = overhang(layers, 0.8)
+    diagram = layers[2].diagram
+    walls = diagram.lengths()[diagram.inner()].sum()
+    assert walls > 400
+    assert certificate.outside.tolist() == pytest.approx([0, 0, walls])
+    assert not certificate.distance.any()
+    assert not certificate.unsupported.any()
+
+
 @given(st.integers(6, 40), st.integers(0, 1000), st.floats(20, 80))
 def test_the_largest_offset_is_the_largest(count: int, seed: int, limit: float) -> None:
     """With it no wall leans more than the limit; the wall that limits it leans just so."""
@@ -103,6 +125,55 @@ def test_the_largest_offset_is_the_largest(count: int, seed: int, limit: float) 
         )
     assert tilts[0] == pytest.approx(limit)
     assert (tilts <= limit + 1e-9).all()
+
+
+def prism(width: float, height: float, layer_height: float) -> list[Section]:
+    count = round(height / layer_height)
+    return [Section(layer_height * k, (SQUARE * width / 40,)) for k in range(count)]
+
+
+@pytest.mark.parametrize("count", [2, 8, 40])
+@pytest.mark.parametrize(
+    ("width", "height"), [(10, 150), (5, 500), (40, 12), (1e-4, 1e-4), (1e-4, 5e-3)]
+)
+@pytest.mark.parametrize("limit", [1.0, 45.0, 89.9, 90.0])
+def test_auto_fits_every_part(count: int, width: float, height: float, limit: float) -> None:
+    """It keeps the limit, and is the largest that does unless weights need the range."""
+    sites = np.random.default_rng(count).uniform(-0.5, 0.5, (count, 2)) * width
+    sections = prism(width, height, min(0.2, height / 8))
+    layer_height = sections[1].z
+    filling = fill_sections(
+        sections, sites, FillSettings(max_overhang=limit, layer_height=layer_height)
+    )
+    first, last = filling.layers[0], filling.layers[-1]
+    # The limit's wall is there at the base if anywhere; what a newborn leans is for other tests.
+    leans = float(overhang([first], 0.8).wall_tilt[0])
+    assert leans <= (limit if limit < 90 else 45) + 1e-9
+    heaviest = 16 * width**2
+    assert abs(last.state.weights).max() <= heaviest
+    offset = float(filling.settings.offset)
+    largest = largest_offset(
+        filling.sites, first.state.growth > 0, layer_height, limit if limit < 90 else 45
+    )
+    half = heaviest / 2 / (len(sections) - 1)
+    assert offset == pytest.approx(min(largest, half), rel=1e-6)
+
+
+@pytest.mark.parametrize(("width", "height"), [(40.0, 12.0), (1e-4, 1e-4), (10.0, 150.0)])
+@pytest.mark.parametrize("limit", [45.0, 90.0])
+def test_the_value_that_a_refusal_names_is_accepted(
+    width: float, height: float, limit: float
+) -> None:
+    sites = np.random.default_rng(1).uniform(-0.5, 0.5, (9, 2)) * width
+    sections = prism(width, height, height / 60)
+    given_settings = {"max_overhang": limit, "layer_height": height / 60}
+    with pytest.raises((SettingError, GeometryError)) as caught:
+        fill_sections(sections, sites, FillSettings(offset=1e6, **given_settings))
+    (named,) = re.findall(r"(?:value is|at most) ([0-9.e+-]*[0-9])", str(caught.value))
+    assert float(named) > 0
+    fill_sections(sections, sites, FillSettings(offset=float(named), **given_settings))
+    with pytest.raises((SettingError, GeometryError)):
+        fill_sections(sections, sites, FillSettings(offset=1.0001 * float(named), **given_settings))
 
 
 def test_ninety_degrees_or_one_kind_of_site_set_no_limit() -> None:

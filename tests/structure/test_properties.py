@@ -42,16 +42,35 @@ def test_a_box_of_two_cells_in_closed_form() -> None:
     assert found.inertia == pytest.approx(expected, abs=1e-9)
 
 
-def test_beads_are_counted_once_where_they_meet() -> None:
+SCATTERED = np.random.default_rng(4).uniform(0, [20, 10], (12, 2))
+UNIT = np.array([[0.0, 0], [5, 0], [5, 5], [0, 5]])
+STEPS = np.array([[8.0, 0], [8, 3], [9, 3], [9, 5], [5, 5], [5, 4], [4, 4], [4, 2], [5, 2], [5, 0]])
+ASIDE = np.array([[0.0, 6], [0, 5], [4, 5], [4, 6]])
+GRID = np.stack(np.meshgrid([2.5, 7.5], [2.5, 7.5]), axis=-1).reshape(-1, 2)
+
+
+@pytest.mark.parametrize(
+    ("rings", "sites", "width"),
+    [
+        pytest.param((SQUARE, HOLE), SCATTERED, 0.6, id="hole"),
+        pytest.param((SQUARE, HOLE), SCATTERED, 3.0, id="wide beads"),
+        pytest.param((UNIT, UNIT + 5), GRID, 0.2, id="contours that touch"),
+        pytest.param((STEPS, ASIDE), [[6.0, 1], [10, 8], [4, 1]], 0.2, id="wall along a contour"),
+        pytest.param((UNIT, UNIT + np.array([5.5, 2.0])), GRID, 0.2, id="grid along contours"),
+    ],
+)
+def test_beads_are_counted_once_where_they_meet(rings, sites, width) -> None:  # type: ignore[no-untyped-def]
     """Against the union of all beads, as GEOS buffers it with round ends."""
-    sites = np.random.default_rng(4).uniform(0, [20, 10], (12, 2))
-    layers = stack((SQUARE, HOLE), sites, layers=1)
-    found = properties(layers, 0.5, 0.6, 1.0)
+    layers = stack(rings, sites, layers=1)
+    found = properties(layers, 0.5, width, 1.0)
     diagram = layers[0].diagram
     area = section_area(layers[0].section)
     walls = shapely.multilinestrings(list(diagram.vertices[diagram.edges[diagram.inner()]]))
     union = shapely.unary_union(
-        [shapely.buffer(walls, 0.3, quad_segs=64), shapely.buffer(area.boundary, 0.6, quad_segs=64)]
+        [
+            shapely.buffer(walls, width / 2, quad_segs=64),
+            shapely.buffer(area.boundary, width, quad_segs=64),
+        ]
     )
     material = shapely.intersection(union, area)
     assert found.volume == pytest.approx(material.area * 0.5, rel=1e-5)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import typer
 
+from v3dcad.commands.compiling import announce_compiling
+
 
 def warm_up() -> None:
     """Compile the engine now, so that the first fill does not have to."""
-    from v3dcad.structure.warm_up import warm_up as compile_engine
+    announce_compiling()
+    from v3dcad.warm_up import warm_up as compile_all
 
-    compile_engine()
+    compile_all()
     typer.echo("the engine is compiled")

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,9 +19,11 @@ from v3dcad.model import Floats, Ints
 STEPS = 1 << 24
 """Grid steps over the frame's side."""
 
-HEAVIEST = 1 << 52
-"""Largest |weight| in steps², 16 times the square of the frame's side: up to it weights are exact
-as floats, and cells of the four sentinels (`triangulation.py`) stay out of the frame."""
+AREAS = 16
+"""How many times the frame's area the largest |weight| is: up to there cells of the four
+sentinels (`triangulation.py`) stay out of the frame, and"""
+HEAVIEST = AREAS * STEPS**2
+"""in steps², 2⁵², weights are exact as floats."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,18 +36,24 @@ class Grid:
     """mm, the frame's side"""
 
     @classmethod
-    def around(cls, low: Floats, high: Floats) -> Grid:
+    def around(cls, low: Floats, high: Floats, heaviest: float = 0.0) -> Grid:
         """The grid of the square that has the box low … high (2,), mm, in its lower left corner.
 
-        A box without extent gets a side that still tells its coordinates apart.
+        The square is as large as weights up to `heaviest`, mm², need it. A box without extent
+        gets a side that still tells its coordinates apart.
         """
-        size = float((high - low).max())
+        size = max(float((high - low).max()), math.sqrt(heaviest / AREAS) * (1 + 1e-12))
         return cls(np.asarray(low, np.float64), size or max(float(np.abs(low).max()), 1.0))
 
     @property
     def pitch(self) -> float:
         """One grid step, mm."""
         return self.size / STEPS
+
+    @property
+    def heaviest(self) -> float:
+        """The largest |weight| of the safe range, mm²."""
+        return AREAS * self.size**2
 
     def snap(self, points: Floats) -> Ints:
         """The grid points (n, 2) nearest to points (n, 2), mm.
@@ -68,13 +77,13 @@ class Grid:
         return np.asarray(self.origin + points * self.pitch, np.float64)
 
     def snap_weights(self, weights: Floats) -> Ints:
-        """Weights (n,), mm², as whole steps²; `GeometryError` beyond 16 times the frame's area."""
+        """Weights (n,), mm², as whole steps²; `GeometryError` beyond the safe range."""
         weights = np.asarray(weights, np.float64)
         _refuse(~np.isfinite(weights), "its weight is not a finite number")
         scaled = weights / self.pitch**2
         _refuse(
             np.abs(scaled) > HEAVIEST,
-            f"its weight is beyond the safe range of ±{16 * self.size**2:g} mm²",
+            f"its weight is beyond the safe range of ±{self.heaviest:g} mm²",
         )
         return np.rint(scaled).astype(np.int64)
 

@@ -9,9 +9,15 @@ where the distance exceeds a reach is one interval in each cell. No sampling is 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
 from v3dcad.model import Floats, Ints
+
+FLOAT = types.float64
+FLOATS, INTS = types.float64[::1], types.int64[::1]
+GIVEN, GIVEN_ROWS, SEGMENTS = (types.Array(FLOAT, rank, "C", readonly=True) for rank in (1, 2, 3))
+"""Arrays of the model, which may not be written to."""
 
 
 def distance_to_walls(
@@ -24,13 +30,13 @@ def distance_to_walls(
     (s,) are sites near the start of each segment. Both results are (s,), mm; with a single cell
     there is no wall, and the distance infinite.
     """
-    both = np.concatenate([neighbours, neighbours[:, ::-1]])
+    both = np.concatenate([neighbours, neighbours[:, ::-1]]).astype(np.int64)
     both = both[np.argsort(both[:, 0], kind="stable")]
-    first = np.searchsorted(both[:, 0], np.arange(len(sites) + 1))
+    first = np.searchsorted(both[:, 0], np.arange(len(sites) + 1)).astype(np.int64)
     farthest, beyond = np.empty(len(segments)), np.empty(len(segments))
     _distances(
         np.ascontiguousarray(segments),
-        np.ascontiguousarray(hints),
+        np.array(hints, np.int64),
         np.ascontiguousarray(sites),
         np.ascontiguousarray(weights),
         first,
@@ -42,12 +48,12 @@ def distance_to_walls(
     return farthest, beyond
 
 
-@njit(cache=True, nogil=True)
+@njit(FLOAT(GIVEN_ROWS, GIVEN, WORD, FLOAT, FLOAT), **INLINED)
 def _power(sites, weights, site, x, y):  # type: ignore[no-untyped-def]
     return (x - sites[site, 0]) ** 2 + (y - sites[site, 1]) ** 2 - weights[site]
 
 
-@njit(cache=True, nogil=True)
+@njit(WORD(GIVEN_ROWS, GIVEN, INTS, INTS, WORD, FLOAT, FLOAT), **INTERNAL)
 def _owner(sites, weights, first, adjacent, site, x, y):  # type: ignore[no-untyped-def]
     """The site whose cell holds a point: go to a neighbour of less power while there is one."""
     power = _power(sites, weights, site, x, y)
@@ -63,14 +69,55 @@ def _owner(sites, weights, first, adjacent, site, x, y):  # type: ignore[no-unty
     return site
 
 
-@njit(cache=True, nogil=True)
+@njit(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT), **INTERNAL)
+def _greatest_least(start, slope, count, low, high):  # type: ignore[no-untyped-def]
+    """Greatest value, over low ≤ t ≤ high, of the least of the lines start + slope · t.
+
+    Follow the lower envelope from `low` while it rises; each next line is less steep.
+    """
+    t, active = low, 0
+    for k in range(1, count):
+        here, least = start[k] + slope[k] * t, start[active] + slope[active] * t
+        if here < least or (here == least and slope[k] < slope[active]):
+            active = k
+    while slope[active] > 0.0 and t < high:
+        turn, after = high, -1
+        for k in range(count):
+            if slope[k] < slope[active]:
+                meet = max(t, (start[k] - start[active]) / (slope[active] - slope[k]))
+                if meet < turn:
+                    turn, after = meet, k
+        t = turn
+        if after < 0:
+            break
+        active = after
+    return start[active] + slope[active] * t
+
+
+@njit(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT, FLOAT), **INTERNAL)
+def _above(start, slope, count, low, high, reach):  # type: ignore[no-untyped-def]
+    """Length of the interval of low ≤ t ≤ high in which all lines lie above `reach`."""
+    for k in range(count):
+        if slope[k] == 0.0:
+            if start[k] <= reach:
+                return 0.0
+        else:
+            crossing = (reach - start[k]) / slope[k]
+            if slope[k] > 0.0:
+                low = max(low, crossing)
+            else:
+                high = min(high, crossing)
+    return max(0.0, high - low)
+
+
+@njit(types.void(SEGMENTS, INTS, GIVEN_ROWS, GIVEN, INTS, INTS, FLOAT, FLOATS, FLOATS), **COMPILED)
 def _distances(segments, hints, sites, weights, first, adjacent, reach, farthest, beyond):  # type: ignore[no-untyped-def]
     most = 0
     for site in range(len(sites)):
         most = max(most, first[site + 1] - first[site])
     start, slope = np.empty(most), np.empty(most)
     for s in range(len(segments)):
-        x, y = segments[s, 0]
+        x, y = segments[s, 0, 0], segments[s, 0, 1]
         along_x, along_y = segments[s, 1, 0] - x, segments[s, 1, 1] - y
         length = np.hypot(along_x, along_y)
         site = _owner(sites, weights, first, adjacent, hints[s], x, y)
@@ -103,44 +150,3 @@ def _distances(segments, hints, sites, weights, first, adjacent, reach, farthest
             if into < 0:
                 break
             left, site, entered = site, into, exit_at
-
-
-@njit(cache=True, nogil=True)
-def _greatest_least(start, slope, count, low, high):  # type: ignore[no-untyped-def]
-    """Greatest value, over low ≤ t ≤ high, of the least of the lines start + slope · t.
-
-    Follow the lower envelope from `low` while it rises; each next line is less steep.
-    """
-    t, active = low, 0
-    for k in range(1, count):
-        here, least = start[k] + slope[k] * t, start[active] + slope[active] * t
-        if here < least or (here == least and slope[k] < slope[active]):
-            active = k
-    while slope[active] > 0.0 and t < high:
-        turn, after = high, -1
-        for k in range(count):
-            if slope[k] < slope[active]:
-                meet = max(t, (start[k] - start[active]) / (slope[active] - slope[k]))
-                if meet < turn:
-                    turn, after = meet, k
-        t = turn
-        if after < 0:
-            break
-        active = after
-    return start[active] + slope[active] * t
-
-
-@njit(cache=True, nogil=True)
-def _above(start, slope, count, low, high, reach):  # type: ignore[no-untyped-def]
-    """Length of the interval of low ≤ t ≤ high in which all lines lie above `reach`."""
-    for k in range(count):
-        if slope[k] == 0.0:
-            if start[k] <= reach:
-                return 0.0
-        else:
-            crossing = (reach - start[k]) / slope[k]
-            if slope[k] > 0.0:
-                low = max(low, crossing)
-            else:
-                high = min(high, crossing)
-    return max(0.0, high - low)

@@ -150,7 +150,8 @@ def irregular_edges(mesh):  # type: ignore[no-untyped-def]
 
 def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
     """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
-    corners = mesh.triangles[: mesh.count[TRIANGLES], :3].astype(np.int64) - SENTINELS
+    corners = mesh.triangles[: mesh.count[TRIANGLES], :3]
+    corners = corners[corners[:, 0] != NOTHING].astype(np.int64) - SENTINELS
     ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
     return np.sort(order[ends], axis=1)

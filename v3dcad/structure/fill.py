@@ -18,7 +18,7 @@ from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, times_of
-from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.growth import growing, rounded_down, settled_offset
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.timed import Timed
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
@@ -174,7 +174,16 @@ class Filling:
         places = places[order]
         pairs = neighbour_pairs(triangulation(places, still), np.arange(len(places)))
         grows = growing(len(places), spanning_tree(places, pairs))
-        offset = settled_offset(settings, grid.millimetres(places), grows)
+        self._heights = np.array([section.z for section in sections], np.float64)
+        layers = self._heights.max(initial=0.0) / settings.layer_height
+        safe = grid.heaviest / layers if layers else math.inf
+        offset = settled_offset(settings, grid.millimetres(places), grows, safe)
+        if offset > safe:
+            raise GeometryError(
+                f"--offset {offset:g} takes its weight beyond the safe range of "
+                f"±{grid.heaviest:g} mm²: give at most {rounded_down(safe)}",
+                site=int(order[np.argmax(grows)]),
+            )
         self.settings = replace(settings, offset=offset)
         """the settings, with the offset that "auto" stands for"""
         self.growth_step = offset / settings.layer_height
@@ -183,10 +192,7 @@ class Filling:
         self._start = Timed(
             places, still, grows.astype(np.int64), always, np.zeros(len(places)), order
         )
-        self._heights = np.array([section.z for section in sections], np.float64)
         self._passed: Course | None = None
-        for height in self._heights[-1:]:
-            self._refuse_heavy(self._start, height)
 
     @property
     def layers(self) -> Layers:
@@ -276,7 +282,7 @@ class Filling:
         for row in np.nonzero(~(safe | unborn))[0]:
             raise GeometryError(
                 f"its weight at a height of {height:g} mm is beyond the safe range of "
-                f"±{16 * self.grid.size**2:g} mm²: lower the offset or the height",
+                f"±{self.grid.heaviest:g} mm²: lower the offset or the height",
                 site=int(sites.site_of[row]),
             )
 

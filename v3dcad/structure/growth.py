@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_FLOOR, Context
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from scipy.spatial import KDTree
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Ints
 from v3dcad.settings import FillSettings
+
+USUAL = FillSettings().max_overhang
+"""Degrees: the limit of those who set none."""
 
 
 def growing(count: int, tree: Ints) -> NDArray[np.bool_]:
@@ -38,31 +42,37 @@ def _graph(count: int, pairs: Ints) -> csr_array:
     return csr_array((np.ones(len(pairs)), pairs.T), (count, count))
 
 
-def settled_offset(settings: FillSettings, sites: Floats, grows: NDArray[np.bool_]) -> float:
+def settled_offset(
+    settings: FillSettings, sites: Floats, grows: NDArray[np.bool_], safe: float
+) -> float:
     """The offset, mm² a layer: the one that is set, or the largest that is allowed for "auto".
 
+    `safe`, mm² a layer, takes a weight to the end of the engine's range on the last layer. "auto"
+    takes half of it at most, so that newborns can grow twice as fast; and where 90° sets no
+    limit, what `USUAL` degrees allow.
+
     Raises `SettingError`, with the largest value that is safe, for one that lets a wall lean
-    more than `max_overhang`; and for "auto" where nothing limits it. The method of the thesis
-    only reports its overhang.
+    more than `max_overhang`. The method of the thesis only reports its overhang.
     """
-    largest = largest_offset(sites, grows, settings.layer_height, settings.max_overhang)
+    limit = settings.max_overhang
     if isinstance(settings.offset, str):
-        if not math.isinf(largest):
-            return largest
-        if len(sites) > 1 and settings.max_overhang >= 90:
-            raise SettingError(
-                "offset", "--offset auto: with --max-overhang 90 nothing limits it; give a number"
-            )
-        return 0.0
-    if settings.method == "continuous" and settings.offset > largest * (1 + 1e-9):
-        safe = math.floor(largest * 1e6) / 1e6
+        tilt = limit if limit < 90 else USUAL
+        most = largest_offset(sites, grows, settings.layer_height, tilt)
+        return 0.0 if math.isinf(most) else min(most, safe / 2)
+    most = largest_offset(sites, grows, settings.layer_height, limit)
+    if settings.method == "continuous" and settings.offset > most * (1 + 1e-9):
         raise SettingError(
             "offset",
-            f"--offset {settings.offset:g}: walls would lean more than "
-            f"{settings.max_overhang:g}°; the largest safe value is {safe:g}, which auto takes, or "
-            "allow more with --max-overhang",
+            f"--offset {settings.offset:g}: walls would lean more than {limit:g}°; the largest "
+            f"safe value is {rounded_down(min(most, safe))}. Leave it to auto, or allow more with "
+            "--max-overhang",
         )
     return float(settings.offset)
+
+
+def rounded_down(value: float) -> str:
+    """A positive number to six digits, none of them rounded up."""
+    return f"{float(Context(prec=6, rounding=ROUND_FLOOR).create_decimal(value)):g}"
 
 
 def largest_offset(

@@ -50,22 +50,28 @@ def overhang(layers: Iterable[Layer], bead_width: float) -> Overhang:
     below: Layer | None = None
     for layer in layers:
         tilts = (_degrees(wall_slopes(layer)), _degrees(strut_slopes(layer)))
-        if below is None or not len(below.diagram.edges):
-            rest = (0.0, 0.0, 0.0)
-        else:
-            rest = _rests(layer, below, all_neighbours(below.state), bead_width / 2)
+        rest = (0.0, 0.0, 0.0) if below is None else _rests(layer, below, bead_width / 2)
         rows.append((*tilts, *rest))
         below = layer
     return Overhang(*np.array(rows, dtype=np.float64).reshape(-1, 5).T)
 
 
-def all_neighbours(state: SiteState) -> Ints:
-    """(m, 2) pairs of sites, i < j, that share a wall anywhere in the plane."""
-    grid = Grid.around(state.sites.min(axis=0), state.sites.max(axis=0))
-    places = grid.snap(state.sites)
+def all_neighbours(places: Ints, weights: Ints) -> Ints:
+    """(m, 2) pairs i < j of sites, in grid units, that share a wall anywhere in the frame."""
     order = curve_order(places)
-    mesh = triangulation(places[order], grid.snap_weights(state.weights[order]))
-    return neighbour_pairs(mesh, order)
+    return neighbour_pairs(triangulation(places[order], weights[order]), order)
+
+
+def _neighbours_over(state: SiteState, section: Section) -> Ints:
+    """(m, 2) pairs i < j of sites that share a wall anywhere in a section, at least.
+
+    The grid's frame holds section and sites, its safe range the weights, of which only
+    differences matter.
+    """
+    corners = np.concatenate([state.sites, *section.rings])
+    weights = state.weights - state.weights.min()
+    grid = Grid.around(corners.min(axis=0), corners.max(axis=0), float(weights.max()))
+    return all_neighbours(grid.snap(state.sites), grid.snap_weights(weights))
 
 
 def _degrees(slopes: Floats) -> float:
@@ -108,9 +114,7 @@ def meeting_sites(diagram: Diagram) -> Ints:
     return np.asarray(around[chosen[around[:, 0]], 1].reshape(-1, 3))
 
 
-def _rests(
-    layer: Layer, below: Layer, neighbours: Ints, reach: float
-) -> tuple[float, float, float]:
+def _rests(layer: Layer, below: Layer, reach: float) -> tuple[float, float, float]:
     """Largest distance, unsupported length and length outside the section below, mm."""
     diagram, state = layer.diagram, below.state
     inner = diagram.inner()
@@ -124,6 +128,7 @@ def _rests(
         outside = outside if outside > NEGLIGIBLE else 0.0
     if not len(segments):
         return 0.0, 0.0, outside
+    neighbours = _neighbours_over(state, below.section)
     # A newborn has no cell below from which a search could start; any site that has one will do.
     has_cell = np.zeros(max(len(layer.state.sites), len(state.sites)), dtype=bool)
     has_cell[neighbours] = True

@@ -1,8 +1,8 @@
 """Volume, mass, centre of mass and inertia of a structure as it is printed.
 
 A layer's material is all of the section that lies within half a bead of a wall or within the
-perimeters' width of a contour. What is left of each cell is cut out exactly, so that the overlap
-of beads at junctions counts once.
+perimeters' width of a contour. What is left open is found as a whole, so that the overlap of beads
+at junctions counts once, and integrated exactly.
 """
 
 from __future__ import annotations
@@ -81,19 +81,11 @@ def _voids(
     """What the beads leave open in a layer."""
     core = shapely.buffer(area, -perimeters * bead_width, quad_segs=ARC)
     diagram = layer.diagram
-    cells = shapely.get_parts(
-        shapely.polygonize(shapely.linestrings(diagram.vertices[diagram.edges]))
-    )
-    # Also the holes of the section are faces of the graph; the core leaves them out.
-    inset = shapely.buffer(cells, -bead_width / 2, quad_segs=ARC)
-    return shapely.multipolygons(
-        [
-            polygon
-            for polygon in shapely.get_parts(shapely.intersection(inset, core)).tolist()
-            for polygon in shapely.get_parts(polygon).tolist()
-            if shapely.get_type_id(polygon) == shapely.GeometryType.POLYGON
-        ]
-    )
+    walls = shapely.linestrings(diagram.vertices[diagram.edges[diagram.inner()]])
+    # Ends need no caps: cells are convex, so that the beads that meet in a vertex cover all that is
+    # near it, and what is near a contour lies under the perimeters.
+    beads = shapely.buffer(walls, bead_width / 2, cap_style="flat")
+    return shapely.difference(core, shapely.union_all(beads))
 
 
 def _plane_moments(area: shapely.Geometry) -> Floats:

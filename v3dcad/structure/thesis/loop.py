@@ -113,11 +113,12 @@ class ThesisFilling:
         self.diagram_of = diagram_of or diagrams_on(grid)
         self.sites = grid.millimetres(places)
         """(n, 2) mm: the sites at the start, as snapped to the grid"""
-        nothing = np.zeros(len(places))
-        pairs = all_neighbours(SiteState(self.sites, nothing, nothing, nothing))
+        pairs = all_neighbours(places, np.zeros(len(places), np.int64))
         self.grows = growing(len(places), spanning_tree(places, pairs))
         """(n,) which of them grow: odd levels of the tree of the whole diagram"""
-        self.offset = settled_offset(settings, self.sites, self.grows)
+        self.offset = settled_offset(
+            settings, self.sites, self.grows, grid.heaviest / (len(sections) + 1)
+        )
         """mm² a layer"""
         self.settings = replace(settings, offset=self.offset)
         """the settings, with the offset that "auto" stands for"""

@@ -1,0 +1,122 @@
+"""Compiling: all of it by `warm_up`, and announced on a terminal."""
+
+from __future__ import annotations
+
+import ast
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parent.parent / "v3dcad"
+
+
+def module_of(path: Path) -> str:
+    return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+
+
+def is_compiled(function: ast.stmt) -> bool:
+    return isinstance(function, ast.FunctionDef) and any(
+        "njit" in ast.unparse(mark) for mark in function.decorator_list
+    )
+
+
+def called_from_python() -> dict[str, list[str]]:
+    """The compiled functions that code which is not compiled calls, by module."""
+    trees = {module_of(path): ast.parse(path.read_text("utf-8")) for path in PACKAGE.rglob("*.py")}
+    compiled = {
+        (module, function.name)
+        for module, tree in trees.items()
+        for function in tree.body
+        if isinstance(function, ast.FunctionDef) and is_compiled(function)
+    }
+    called: dict[str, list[str]] = {}
+    for module, tree in trees.items():
+        home = {
+            alias.name: node.module
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+        for statement in tree.body:
+            for call in [] if is_compiled(statement) else ast.walk(statement):
+                if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
+                    found = (home.get(call.func.id) or module, call.func.id)
+                    if found in compiled:
+                        called.setdefault(found[0], []).append(found[1])
+    return called
+
+
+def test_warm_up_compiles_all_that_is_called() -> None:
+    functions = called_from_python()
+    assert sum(map(len, functions.values())) > 20
+    show = f"""
+import sys
+from v3dcad.warm_up import warm_up
+warm_up()
+for module, names in {functions!r}.items():
+    for name in names:
+        if module not in sys.modules or not getattr(sys.modules[module], name).signatures:
+            print(module, name)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", show], capture_output=True, encoding="utf-8", check=True,
+        env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
+    )  # fmt: skip
+    assert done.stdout == "", "warm_up leaves these to be compiled later"
+
+
+def first_line_on_a_terminal(cache: Path, *words: str) -> str:
+    """What a command says first on stderr, a terminal, with numba's cache in a folder."""
+    ours, theirs = pty.openpty()
+    code = "from v3dcad.cli import main; main()"
+    child = subprocess.Popen(
+        [sys.executable, "-c", code, *words], stdout=subprocess.DEVNULL, stderr=theirs,
+        env={**os.environ, "PYTHONPATH": str(PACKAGE.parent), "NUMBA_CACHE_DIR": str(cache)},
+    )  # fmt: skip
+    os.close(theirs)
+    said = ""
+    try:
+        while not said.endswith("\n"):
+            said += os.read(ours, 1000).decode()
+    except OSError:  # the child has ended
+        pass
+    finally:
+        child.kill()
+        child.wait()
+        os.close(ours)
+    return said
+
+
+@pytest.mark.parametrize("command", [["warm-up"], ["fill", "no.step", "--out", "out"]])
+def test_compiling_is_announced_on_a_terminal(command: list[str], tmp_path: Path) -> None:
+    said = first_line_on_a_terminal(tmp_path, *command)
+    assert said == "compiling the engine: up to a minute, once\r\n"
+
+
+def test_nothing_is_announced_that_has_been_compiled(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import numba
+    from numba.core import event
+
+    from v3dcad.commands.compiling import announce_compiling
+
+    listeners: list[event.Listener] = []
+    with monkeypatch.context() as patch:
+        patch.setattr(event, "register", lambda kind, listener: listeners.append(listener))
+        announce_compiling()
+        assert not listeners, "in a pipe"
+        patch.setattr(sys.stderr, "isatty", lambda: True)
+        announce_compiling()
+    (listener,) = listeners
+    with event.install_listener("numba:compile", listener):
+        double = numba.njit(lambda number: 2 * number)
+        double(1)
+        assert capsys.readouterr().err.count("\n") == 1
+        double(2)
+        double(1.5)
+    assert capsys.readouterr().err == ""
