@@ -18,6 +18,7 @@ from OCP.TopoDS import TopoDS_Shape
 
 import v3dcad
 from v3dcad import KernelError, SettingError, Structure
+from v3dcad.geometry.convex import inset_cells
 from v3dcad.geometry.mesh_union import mesh_volume
 
 SETTINGS = {"sites": 12, "layer_height": 1.0, "offset": 0.3}
@@ -306,3 +307,14 @@ def test_mistakes_are_named(structure: Structure, tmp_path: Path) -> None:
     with pytest.raises(SettingError, match=r"rounded bead 0\.5 mm wide"):
         structure.beads(0.5)
     assert not list(tmp_path.iterdir())
+
+
+def test_cells_that_struts_close_up_are_counted(structure: Structure) -> None:
+    facets, (low, high) = structure.facets(), structure.part.bounds
+    count = len(np.unique(facets.sites))
+    for diameter in (14.0, 20.0, 60.0):
+        closed = count - len(inset_cells(facets, diameter / 2, low - 1, high + 1))
+        assert closed > 0
+        says = f"diameter {diameter:g} mm is more than {closed} cells are wide: they close up"
+        with pytest.warns(UserWarning, match=says):
+            structure.strut_mesh(diameter)

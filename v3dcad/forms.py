@@ -108,7 +108,7 @@ class Forms:
         from v3dcad.kernel.shapes import compound
         from v3dcad.kernel.struts import bars, cut_bars, fused_bars
 
-        points, struts = self._axes()
+        points, struts = self._axes(diameter)
         made = [fused_bars(points, struts, diameter)] if fuse else bars(points, struts, diameter)
         return compound(cut_bars(made, self._solid()) if cut else made)
 
@@ -129,7 +129,7 @@ class Forms:
         from v3dcad.geometry.bars import bar_mesh
         from v3dcad.geometry.mesh_union import intersected
 
-        mesh = bar_mesh(*self._axes(), diameter)
+        mesh = bar_mesh(*self._axes(diameter), diameter)
         return intersected(mesh, self._at_source(self.part.mesh())) if cut else mesh
 
     def solid_mesh(self, thickness: float) -> Mesh:
@@ -201,7 +201,6 @@ class Forms:
         united first).
         """
         from v3dcad.formats.threemf import write_beams, write_mesh
-        from v3dcad.settings import check_size
 
         with written_beside(Path(path)) as beside:
             if form != "beams":
@@ -210,8 +209,7 @@ class Forms:
                 write_mesh(beside, self._mesh(form, sizes), self.part.name)
                 return
             diameter = _only(sizes, form, "diameter")
-            check_size("diameter", diameter)
-            points, struts = self._axes()
+            points, struts = self._axes(diameter)
             mesh = self.strut_mesh(diameter) if fallback else None
             write_beams(beside, points, struts, diameter / 2, self.part.name, mesh)
 
@@ -270,9 +268,15 @@ class Forms:
             for layer in self.layers
         )
 
-    def _axes(self) -> tuple[Floats, Any]:
-        """Points (v, 3), where the source lies, and struts (s, 2) between them."""
-        facets = self.facets()
+    def _axes(self, diameter: float) -> tuple[Floats, Any]:
+        """Points (v, 3), where the source lies, and struts (s, 2) between them.
+
+        Warns how many cells a diameter, mm, closes up.
+        """
+        from v3dcad.geometry.convex import check_diameter
+
+        facets, (low, high) = self.facets(), self.part.bounds
+        check_diameter(facets, diameter, low - 1.0, high + 1.0)
         return self.placement.to_source(facets.points), facets.struts()
 
     def _solid(self) -> Any:

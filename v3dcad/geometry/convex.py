@@ -132,18 +132,33 @@ def hollows(walls: Facets, thickness: float, low: Floats, high: Floats) -> list[
     Warns how many cells close up; raises `SettingError` where all do, and for a thickness of 0.
     """
     check_size("thickness", thickness)
-    open_cells = inset_cells(walls, thickness / 2, low, high)
-    closed = len(np.unique(walls.sites)) - len(open_cells)
-    if not open_cells:
+    cells = inset_cells(walls, thickness / 2, low, high)
+    if not cells:
         raise SettingError(
             "thickness", f"thickness {thickness:g} mm closes all cells; give a smaller one"
         )
+    _warn_of_closed(len(np.unique(walls.sites)) - len(cells), f"thickness {thickness:g} mm")
+    return list(cells.values())
+
+
+def check_diameter(walls: Facets, diameter: float, low: Floats, high: Floats) -> None:
+    """Warn how many cells within the box low … high (3,) bars of a diameter, mm, close up.
+
+    Raises `SettingError` for a diameter of 0.
+    """
+    check_size("diameter", diameter)
+    whole, closed = box(low, high), 0
+    for planes, middle in _half_spaces(walls, diameter / 2).values():
+        # Mostly the middle of a cell tells that it stays open.
+        inside = (low < middle).all() and (middle < high).all()
+        if not inside or (planes[:, :3] @ middle >= planes[:, 3]).any():
+            closed += _cell(planes, whole) is None
+    _warn_of_closed(closed, f"diameter {diameter:g} mm")
+
+
+def _warn_of_closed(closed: int, size: str) -> None:
     if closed:
-        warnings.warn(
-            f"thickness {thickness:g} mm is more than {closed} cells are wide: they close up",
-            stacklevel=3,
-        )
-    return list(open_cells.values())
+        warnings.warn(f"{size} is more than {closed} cells are wide: they close up", stacklevel=5)
 
 
 def inset_cells(walls: Facets, inset: float, low: Floats, high: Floats) -> dict[int, Polyhedron]:
@@ -152,11 +167,23 @@ def inset_cells(walls: Facets, inset: float, low: Floats, high: Floats) -> dict[
     Keys are site ids, ascending; cells that close up are left out. A cell is the intersection of
     the half-spaces of its walls, and stays so when they are moved (an offset with mitred edges).
     """
+    whole = box(low, high)
+    cells = {site: _cell(planes, whole) for site, (planes, _) in _half_spaces(walls, inset).items()}
+    return {site: cell for site, cell in cells.items() if cell}
+
+
+def _half_spaces(walls: Facets, inset: float) -> dict[int, tuple[Floats, Floats]]:
+    """By site: the planes (k, 4) of its walls moved inward, normals n with n · x ≤ offset; and the
+    mean (3,) of the walls' middles.
+    """
     vectors = walls.vectors()
     areas = np.linalg.norm(vectors, axis=1)
     sound = areas > 0
     normals = vectors[sound] / areas[sound, None]
-    offsets = (walls.points[walls.corners[walls.starts[:-1]]][sound] * normals).sum(axis=1)
+    corners = walls.points[walls.corners]
+    on = corners[walls.starts[:-1]][sound]
+    middles = np.add.reduceat(corners, walls.starts[:-1]) / np.diff(walls.starts)[:, None]
+    offsets = (on * normals).sum(axis=1)
     first, second = walls.sites[sound].T
     owner = np.concatenate([first, second])
     planes = np.column_stack(
@@ -164,13 +191,17 @@ def inset_cells(walls: Facets, inset: float, low: Floats, high: Floats) -> dict[
     )
     order = np.argsort(owner, kind="stable")
     sites, begins = np.unique(owner[order], return_index=True)
-    whole = box(low, high)
-    cells = {}
-    for site, rows in zip(sites.tolist(), np.split(planes[order], begins[1:]), strict=True):
-        cell: Polyhedron | None = whole
-        for row in rows:
-            cell = cut(cell, row[:3], float(row[3])) if cell else None
-        cell = welded(cell, 1e-6) if cell else None
-        if cell and cell.volume() > 0:
-            cells[site] = cell
-    return cells
+    around = np.tile(middles[sound], (2, 1))[order]
+    count = np.diff([*begins, len(order)])[:, None]
+    middle = np.add.reduceat(around, begins) / count if len(begins) else around
+    split = np.split(planes[order], begins[1:])
+    return dict(zip(sites.tolist(), zip(split, middle, strict=True), strict=True))
+
+
+def _cell(planes: Floats, whole: Polyhedron) -> Polyhedron | None:
+    """What half-spaces (k, 4) leave of a polyhedron; None where that is nothing solid."""
+    cell: Polyhedron | None = whole
+    for plane in planes:
+        cell = cut(cell, plane[:3], float(plane[3])) if cell else None
+    cell = welded(cell, 1e-6) if cell else None
+    return cell if cell and cell.volume() > 0 else None
