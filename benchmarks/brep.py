@@ -97,6 +97,8 @@ def ordinary(sites: int) -> None:
     )
     row("struts, compound", lambda _: structure.struts(0.6))
     row("struts, mesh", lambda _: structure.strut_mesh(0.6))
+    row("struts cut, mesh", lambda _: structure.strut_mesh(0.6, cut=True))
+    row("struts cut, compound", lambda _: structure.struts(0.6, cut=True))
     row("60 struts fused in a plain loop", lambda _: fused_in_pairs(structure, 60))
     row("beams, 3MF with fallback", lambda path: structure.write_3mf(path, diameter=0.6), ".3mf")
     row(

@@ -40,11 +40,11 @@ def length_of(shape: TopoDS_Shape) -> float:
 
 
 def area_of(shape: TopoDS_Shape) -> float:
-    return _mass(shape, BRepGProp.SurfaceProperties_s)
+    return _mass(shape, lambda *given: BRepGProp.SurfaceProperties_s(*given, 1e-13))
 
 
 def volume_of(shape: TopoDS_Shape) -> float:
-    return _mass(shape, BRepGProp.VolumeProperties_s)
+    return _mass(shape, lambda *given: BRepGProp.VolumeProperties_s(*given, 1e-13))
 
 
 def distinct(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:

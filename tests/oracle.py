@@ -131,7 +131,7 @@ def cells(sites, weights, section):
             normal = sites[j] - sites[i]
             bound = (sites[j] @ sites[j] - sites[i] @ sites[i] - weights[j] + weights[i]) / 2
             polygon = _half_plane(polygon, bound - polygon @ normal)
-        # Rounding may leave corners an ulp apart as a spike, which GEOS takes amiss.
+        # Rounding may leave corners an ulp apart, a spike that GEOS takes amiss; a hull has none.
         hull = shapely.convex_hull(shapely.multipoints(polygon))
         found.append(shapely.intersection(hull, area))
     assert np.isclose(shapely.area(found).sum(), area.area, rtol=1e-9), "the oracle's cells overlap"

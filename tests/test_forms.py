@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from build123d import Axis, Box, Cylinder, Pos, fillet
+from build123d import Axis, Box, Cylinder, Pos, Rot, fillet
 from lib3mf import Lib3MF
-from occt import area_of, box_of, is_valid, length_of, read_step, solids_of, volume_of
+from occt import area_of, box_of, faces_of, is_valid, length_of, read_step, solids_of, volume_of
 from OCP.BRep import BRep_Builder
+from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepTools import BRepTools
 from OCP.TopoDS import TopoDS_Shape
 
@@ -44,15 +45,53 @@ def test_cells_add_up_and_lie_where_the_part_lies(structure: Structure) -> None:
     assert box[:, 2] == pytest.approx([14, 26], abs=1e-3)  # from the base to the very top
 
 
+def test_cells_are_known_by_their_sites(structure: Structure) -> None:
+    """A cell's slices make up its volume; points left and right of a wall have its two sites."""
+    cells = structure.cells_by_site()
+    assert list(cells) == sorted(cells)
+    count = len(structure.layers[-1].state.sites)
+    swept = np.zeros(count)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    for z, weight in zip(6 + 6 * nodes, 6 * weights, strict=True):
+        diagram = structure.at(z)
+        swept += weight * diagram.areas(count)
+        walls = diagram.inner() & (diagram.lengths() > 1e-3)
+        ends = diagram.vertices[diagram.edges[walls]]
+        left = (ends[:, 1] - ends[:, 0]) @ [[0, 1], [-1, 0]]
+        for side, beside in ((1, left), (0, -left)):
+            points = ends.mean(axis=1) + 1e-6 * beside / np.hypot(*left.T)[:, None]
+            at_source = np.column_stack([points, np.full(len(points), z)])
+            at_source = structure.placement.to_source(at_source)
+            expected = diagram.edge_sites[walls, side]
+            assert structure.sites_at(at_source).tolist() == expected.tolist()
+    for site in range(count):
+        volume = sum(map(volume_of, cells.get(site, [])))
+        assert volume == pytest.approx(swept[site], rel=0.01, abs=0.5)
+
+
+def test_pieces_of_one_cell_are_named(tmp_path: Path) -> None:
+    apart = Pos(10, 0, 0) * Box(5, 20, 10) + Pos(-10, 0, 0) * Box(5, 20, 10)
+    structure = v3dcad.fill(apart, sites=[(0, -5), (0, 5)], layer_height=1.0, offset=0.0)
+    structure.write_step(tmp_path / "a.step", "cells")
+    named = read_step(tmp_path / "a.step")
+    assert list(named) == [f"cell {site}, piece {k} of 2" for site in (0, 1) for k in (1, 2)]
+    lows = np.array([box_of(shape)[0] for shape in named.values()])
+    assert lows == pytest.approx(
+        np.array([[-12.5, -10, -5], [7.5, -10, -5], [-12.5, 0, -5], [7.5, 0, -5]]), abs=1e-6
+    )
+
+
 def test_layers_are_slices_of_the_faces(structure: Structure) -> None:
     """∫ wall length dz of fine layers = Σ wall area · cos(tilt from vertical)."""
-    fine = v3dcad.fill(part(), sites=structure.sites, layer_height=0.05, offset=0.3 * 0.05)
+    fine = v3dcad.fill(part(), sites=structure.sites, layer_height=0.05, offset=0.1)
     lengths = [layer.diagram.lengths()[layer.diagram.inner()].sum() for layer in fine.layers]
     swept = 0.05 * (sum(lengths) - lengths[0] / 2 + lengths[-1] / 2)
-    area = area_of(fine.faces())
-    assert swept < area
-    growth = structure.walls.tilts
-    assert swept > area * np.cos(np.radians(growth.max())) * 0.999
+    upright = 0.0
+    for face in faces_of(fine.faces()):
+        normal = BRepAdaptor_Surface(face).Plane().Axis().Direction()
+        upright += area_of(face) * np.hypot(normal.X(), normal.Y())
+    assert swept == pytest.approx(upright, rel=2e-4)  # walls end on chords
+    assert upright < 0.999 * area_of(fine.faces())
 
 
 @pytest.mark.parametrize("schema", ["AP214", "AP242"])
@@ -138,6 +177,33 @@ def test_thick_walls_as_mesh_and_solid_agree(structure: Structure, tmp_path: Pat
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(volume_of(structure.solid(1.0)), rel=2e-3)
     assert mesh.bounds == pytest.approx(box_of(structure.solid(1.0)), abs=1e-3)
+
+
+def test_meshes_of_a_turned_part(tmp_path: Path) -> None:
+    """Its faces carry motions of their own: nodes are shared by edge, not by coordinates."""
+    body = fillet(Box(20, 20, 20).edges().filter_by(Axis.X), 4) - Cylinder(4, 60)
+    turned = Rot(20, 35, 10) * body
+    structure = v3dcad.fill(turned, sites=8, layer_height=1.0, offset=0.2)
+    assert mesh_volume(structure.part.mesh()) == pytest.approx(turned.volume, rel=5e-3)
+    assert mesh_volume(structure.solid_mesh(1.0)) == pytest.approx(
+        volume_of(structure.solid(1.0)), rel=5e-3
+    )
+
+
+def test_struts_cut_to_the_part_as_a_mesh(structure: Structure, tmp_path: Path) -> None:
+    """What the part's planes, holes and fillets cut off is gone."""
+    whole, cut = structure.strut_mesh(1.5), structure.strut_mesh(1.5, cut=True)
+    assert mesh_volume(cut) < 0.9 * mesh_volume(whole)
+    assert whole.vertices[:, 2].min() < 13.9
+    assert cut.vertices[:, 2].min() == pytest.approx(14, abs=1e-6)
+    assert cut.vertices[:, 2].max() == pytest.approx(26, abs=1e-6)
+    structure.write_stl(tmp_path / "a.stl", "struts", diameter=1.5, cut=True)
+    mesh = trimesh.load(tmp_path / "a.stl")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(mesh_volume(cut), rel=1e-4)
+    few = v3dcad.fill(Box(20, 20, 10), sites=6, layer_height=1.0, offset=0.2)
+    exact = volume_of(few.struts(1.5, fuse=True, cut=True))
+    assert mesh_volume(few.strut_mesh(1.5, cut=True)) == pytest.approx(exact, rel=0.06)
 
 
 def test_triangles_have_thick_walls_too(samples: Path, tmp_path: Path) -> None:

@@ -127,7 +127,8 @@ def test_gcode_stays_in_the_part_and_lays_every_edge(
         assert shapely.covers(grown, lines).all()
         lengths = layer.diagram.lengths()
         assert shapely.length(lines).sum() == pytest.approx(lengths.sum(), rel=1e-3)
-        assert len(lines) == np.count_nonzero(lengths > 1e-4)
+        # G-code counts in µm: shorter edges may vanish.
+        assert np.count_nonzero(lengths > 1.5e-3) <= len(lines) <= np.count_nonzero(lengths > 1e-4)
         total += lengths.sum() * settings.bead_width * (z - below)
         below = z
     filament = math.pi / 4 * settings.filament_diameter**2

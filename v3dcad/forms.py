@@ -14,7 +14,7 @@ import numpy as np
 
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Floats, Layer, Mesh, Part, Placement
+from v3dcad.model import Floats, Ints, Layer, Mesh, Part, Placement
 
 if TYPE_CHECKING:
     from v3dcad.geometry.facets import Facets
@@ -48,6 +48,13 @@ class Forms:
         """
         raise NotImplementedError
 
+    def sites_at(self, points: Floats | Sequence[Sequence[float]]) -> Ints:
+        """(k,) numbers of the sites in whose cells points (k, 3), mm, lie, where the source lies.
+
+        Raises `SettingError` as `facets` does.
+        """
+        raise NotImplementedError
+
     def wires(self) -> Any:
         """A compound for each layer: contours on their exact curves, walls as lines."""
         from v3dcad.kernel.shapes import compound
@@ -65,10 +72,26 @@ class Forms:
         return compound(cut_walls(self._solid(), self.facets(), self.placement))
 
     def cells(self) -> list[Any]:
-        """The cells inside the part as solids, neighbours sharing faces; they add up to it."""
+        """The cells inside the part as solids, neighbours sharing faces; they add up to it.
+
+        In the order of their sites, as `cells_by_site` has them.
+        """
+        return [cell for cells in self.cells_by_site().values() for cell in cells]
+
+    def cells_by_site(self) -> dict[int, list[Any]]:
+        """The cells of each site, sites ascending; pieces that the part leaves of one from below.
+
+        Sites are numbered as in `sites`, those born on the way up after them.
+        """
         from v3dcad.kernel.cells import cut_cells
 
-        return cut_cells(self._solid(), self.facets(), self.placement)
+        cells, centres = cut_cells(self._solid(), self.facets(), self.placement)
+        # A cell is convex, and so holds the centre of every piece of it.
+        sites = self.sites_at(centres)
+        found: dict[int, list[Any]] = {}
+        for place in np.lexsort((*centres.T, sites)).tolist():
+            found.setdefault(int(sites[place]), []).append(cells[place])
+        return found
 
     def solid(self, thickness: float, skin: float = 0.0) -> Any:
         """The part with walls of a thickness in place of its inside, and a closed skin if asked."""
@@ -98,11 +121,16 @@ class Forms:
 
         return compound(bead for _, bead in self._beads(width, profile))
 
-    def strut_mesh(self, diameter: float) -> Mesh:
-        """The struts and their joints united, as a closed mesh where the source lies."""
-        from v3dcad.geometry.bars import bar_mesh
+    def strut_mesh(self, diameter: float, *, cut: bool = False) -> Mesh:
+        """The struts and their joints united, as a closed mesh where the source lies.
 
-        return bar_mesh(*self._axes(), diameter)
+        They reach over the part's surface unless they are `cut` to the part.
+        """
+        from v3dcad.geometry.bars import bar_mesh
+        from v3dcad.geometry.mesh_union import intersected
+
+        mesh = bar_mesh(*self._axes(), diameter)
+        return intersected(mesh, self._at_source(self.part.mesh())) if cut else mesh
 
     def solid_mesh(self, thickness: float) -> Mesh:
         """The part with walls of a thickness as a closed mesh; of triangles too."""
@@ -153,7 +181,7 @@ class Forms:
         """Write a mesh of `MESHES` as STL.
 
         "walls" are upright strips without thickness, as in the thesis; "solid" (thickness),
-        "struts" (diameter) and "beads" (width) are united and closed.
+        "struts" (diameter, cut) and "beads" (width) are united and closed.
         """
         from v3dcad.formats.stl import ascii_stl, binary_stl
 
@@ -209,7 +237,11 @@ class Forms:
             return (Named(title, bead) for title, bead in self._beads(**sizes))
         if form == "cells":
             _only(sizes, form)
-            return (Named(f"cell {k}", cell, TEAL) for k, cell in enumerate(self.cells()))
+            return (
+                Named(_numbered(site, piece, len(cells)), cell, TEAL)
+                for site, cells in self.cells_by_site().items()
+                for piece, cell in enumerate(cells, start=1)
+            )
         if form not in FORMS:
             raise SettingError("form", f"form {form!r}: give {', '.join(FORMS)}")
         return [Named(form, getattr(self, form)(**sizes), TEAL)]
@@ -223,7 +255,8 @@ class Forms:
         if form == "solid":
             return self.solid_mesh(_only(sizes, form, "thickness"))
         if form == "struts":
-            return self.strut_mesh(_only(sizes, form, "diameter"))
+            cut = sizes.pop("cut", False)
+            return self.strut_mesh(_only(sizes, form, "diameter"), cut=cut)
         if form == "beads":
             return self.bead_mesh(_only(sizes, form, "width"))
         raise SettingError("form", f"form {form!r}: give {', '.join(MESHES)}")
@@ -260,6 +293,10 @@ class Forms:
 
 def _title(layer: Layer) -> str:
     return f"layer {layer.index} z {layer.z:g}"
+
+
+def _numbered(site: int, piece: int, pieces: int) -> str:
+    return f"cell {site}" if pieces == 1 else f"cell {site}, piece {piece} of {pieces}"
 
 
 def _only(sizes: dict[str, Any], form: str, wanted: str | None = None) -> Any:

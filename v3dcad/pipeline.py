@@ -15,7 +15,7 @@ import numpy as np
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
-from v3dcad.model import Checksum, Diagram, Floats, Layer, Part, Placement, Recipe, Section
+from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe, Section
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
 from v3dcad.report import Print, report
@@ -76,6 +76,17 @@ class Structure(Forms):
         """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
         (section,) = self.part.sections(np.array([z]), self.settings.chord_tolerance)
         return self.filling.at(z, section)
+
+    def sites_at(self, points: Floats | Sequence[Sequence[float]]) -> Ints:
+        """(k,) numbers of the sites in whose cells points (k, 3), mm, lie, where the source lies.
+
+        Raises `SettingError` for the thesis's method, as `faces` does.
+        """
+        if not isinstance(self.filling, Filling):
+            return self.filling.walls  # which says why there are none
+        return self.filling.sites_at(
+            self.placement.to_bed(np.reshape(np.asarray(points, np.float64), (-1, 3)))
+        )
 
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
         """The certificate: how every layer rests on the one below."""

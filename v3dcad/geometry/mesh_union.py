@@ -1,4 +1,4 @@
-"""Triangle meshes united and subtracted by manifold3d: watertight, or an error."""
+"""Triangle meshes united, subtracted and intersected by manifold3d: watertight, or an error."""
 
 from __future__ import annotations
 
@@ -24,6 +24,11 @@ def subtracted(body: Mesh, tools: Sequence[Mesh]) -> Mesh:
     return checked_mesh(
         Manifold.batch_boolean([manifold(body), *map(manifold, tools)], OpType.Subtract)
     )
+
+
+def intersected(one: Mesh, other: Mesh) -> Mesh:
+    """What two closed meshes both hold."""
+    return checked_mesh(manifold(one) ^ manifold(other))
 
 
 def manifold(body: Mesh | Manifold) -> Manifold:

@@ -43,7 +43,7 @@ from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_refining import refined
 from v3dcad.geometry.surfaces import surface_points
 from v3dcad.kernel.packing import Packer
-from v3dcad.model import Ints
+from v3dcad.model import Ints, Mesh
 
 DEFLECTION = 0.002
 """Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
@@ -59,18 +59,12 @@ def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
     Faces are numbered as they are met, solid by solid. `KernelError` where a face cannot be
     meshed, or where edges do not have a face on either side (an open shell).
     """
-    # The caller's shape keeps its own triangulation.
-    shape = BRepBuilderAPI_Copy(shape, False, False).Shape()
-    BRepLib.BuildCurves3d_s(shape)
     box = Bnd_Box()
     BRepBndLib.Add_s(shape, box, False)
     if box.IsVoid():
         raise KernelError("the part has no face to be sectioned")
     sag = DEFLECTION * box.CornerMin().Distance(box.CornerMax())
-    BRepMesh_IncrementalMesh(shape, sag, False, ANGLE, False)
-    collector = _Collector()
-    for solid in _subshapes(shape, TopAbs_SOLID):
-        collector.add_solid(solid)
+    collector = _collected(shape, sag, ANGLE)
     mesh = collector.mesh()
     triangles, parameters = critical_points(mesh)
     inside = [
@@ -78,6 +72,27 @@ def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
         for triangle, (u, v) in zip(triangles, parameters, strict=True)
     ]
     return refined(mesh, triangles[inside], parameters[inside])
+
+
+def triangle_mesh(shape: TopoDS_Shape, sag: float, angle: float) -> Mesh:
+    """The surface of a shape's solids as closed triangles, within `sag` (mm) of the true one.
+
+    `angle` (radians) is the largest turn between neighbours. Raises as `surface_mesh` does.
+    """
+    mesh = _collected(shape, sag, angle).mesh()
+    a, b, c = mesh.triangles.T
+    return Mesh(mesh.nodes, mesh.triangles[(a != b) & (b != c) & (c != a)])
+
+
+def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:
+    # The caller's shape keeps its own triangulation.
+    shape = BRepBuilderAPI_Copy(shape, False, False).Shape()
+    BRepLib.BuildCurves3d_s(shape)
+    BRepMesh_IncrementalMesh(shape, sag, False, angle, False)
+    collector = _Collector()
+    for solid in _subshapes(shape, TopAbs_SOLID):
+        collector.add_solid(solid)
+    return collector
 
 
 def _subshapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:

@@ -11,12 +11,10 @@ import numpy as np
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.GeomAbs import GeomAbs_Plane
 from OCP.ShapeFix import ShapeFix_Shape
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopExp import TopExp
-from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
@@ -25,7 +23,7 @@ from v3dcad.geometry.gapes import GAPE
 from v3dcad.geometry.surface_ends import exact_ends
 from v3dcad.geometry.surface_mesh import SurfaceMesh
 from v3dcad.geometry.surface_section import CHORD_TOLERANCE
-from v3dcad.kernel.mesh import surface_mesh
+from v3dcad.kernel.mesh import surface_mesh, triangle_mesh
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import (
     EDGE,
@@ -41,7 +39,9 @@ from v3dcad.kernel.shapes import (
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
 TESSELLATION = 0.05
-"""Largest distance of `SolidPart.mesh()` from the true surface, mm."""
+"""Largest distance of `SolidPart.mesh()` from the true surface, mm, and"""
+TURN = 0.3
+"""the largest turn between two of its neighbours, radians."""
 
 
 HERE = Placement.none()
@@ -112,24 +112,7 @@ class SolidPart:
 
     def mesh(self) -> Mesh:
         """The surface as triangles, within `TESSELLATION` of it."""
-        BRepMesh_IncrementalMesh(self.shape, TESSELLATION, False, 0.3, False)
-        corners: list[Floats] = []
-        for face in map(TopoDS.Face_s, subshapes(self.shape, FACE)):
-            place = TopLoc_Location()
-            facets = BRep_Tool.Triangulation_s(face, place)
-            if facets is None:
-                continue
-            motion = place.Transformation()
-            nodes = [facets.Node(i).Transformed(motion) for i in range(1, facets.NbNodes() + 1)]
-            points = np.array([(p.X(), p.Y(), p.Z()) for p in nodes])
-            ids = np.array([facets.Triangle(i).Get() for i in range(1, facets.NbTriangles() + 1)])
-            if face.Orientation() == TopAbs_REVERSED:
-                ids = ids[:, ::-1]
-            corners.append(points[ids - 1])
-        vertices, triangles = np.unique(
-            np.concatenate(corners).reshape(-1, 3), axis=0, return_inverse=True
-        )
-        return Mesh(vertices, triangles.reshape(-1, 3))
+        return triangle_mesh(self.shape, TESSELLATION, TURN)
 
 
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:

@@ -14,6 +14,7 @@ from OCP.Geom import Geom_Line, Geom_Plane
 from OCP.gp import gp_Ax3, gp_Dir, gp_Pnt
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopoDS import (
+    TopoDS,
     TopoDS_Edge,
     TopoDS_Face,
     TopoDS_Shape,
@@ -91,19 +92,25 @@ class _Corners:
         corners = self.points[ring]
         middle = corners.mean(axis=0)
         normal = np.cross(corners - middle, np.roll(corners, -1, axis=0) - middle).sum(axis=0)
-        if not np.linalg.norm(normal) > FLAT * float(np.ptp(corners, axis=0).max()) ** 2:
+        size = float(np.linalg.norm(normal))
+        if not size > FLAT * float(np.ptp(corners, axis=0).max()) ** 2:
             return None
+        # A welded corner lies a bit off the plane, and so do the edges at it.
+        off = TOLERANCE + float(np.abs((corners - middle) @ normal).max()) / size
         wire, face = TopoDS_Wire(), TopoDS_Face()
         self.builder.MakeWire(wire)
         for start, stop in zip(ring, ring[1:] + ring[:1], strict=True):
-            self.builder.Add(wire, self._edge(start, stop))
+            edge = self._edge(start, stop)
+            self.builder.UpdateEdge(edge, off)
+            self.builder.UpdateVertex(self._vertex(start), off)
+            self.builder.Add(wire, edge)
         wire.Closed(True)
         frame = gp_Ax3(gp_Pnt(*middle.tolist()), gp_Dir(*normal.tolist()))
         self.builder.MakeFace(face, Geom_Plane(frame), TOLERANCE)
         self.builder.Add(face, wire)
         return face
 
-    def _edge(self, start: int, stop: int) -> TopoDS_Shape:
+    def _edge(self, start: int, stop: int) -> TopoDS_Edge:
         a, b = (start, stop) if start < stop else (stop, start)
         edge = self.edges.get((a, b))
         if edge is None:
@@ -115,7 +122,7 @@ class _Corners:
             self.builder.Add(edge, self._vertex(a))
             self.builder.Add(edge, self._vertex(b).Oriented(TopAbs_REVERSED))
             self.builder.Range(edge, 0.0, length)
-        return edge if start < stop else edge.Oriented(TopAbs_REVERSED)
+        return edge if start < stop else TopoDS.Edge_s(edge.Oriented(TopAbs_REVERSED))
 
     def _vertex(self, index: int) -> TopoDS_Vertex:
         vertex = self.vertices.get(index)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -12,6 +13,8 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
 from OCP.gp import gp_Trsf
 from OCP.GProp import GProp_GProps
+from OCP.ShapeFix import ShapeFix_Shape
+from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
@@ -20,6 +23,11 @@ from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
 from v3dcad.model import Floats, Placement
 
 SOLID, SHELL, FACE, EDGE = TopAbs_SOLID, TopAbs_SHELL, TopAbs_FACE, TopAbs_EDGE
+
+ACCURACY = 1e-12
+"""Relative error at which OCCT's adaptive integration may stop. Without one it takes a fixed Gauss
+rule for each face: a fillet's volume comes out 2e-6 wrong, a spline loft's 1 %. With 1e-9 it
+stops too early on surfaces of revolution (4e-7)."""
 
 
 def subshapes(shape: TopoDS_Shape, kind: Any, outside: Any = None) -> Iterator[TopoDS_Shape]:
@@ -58,16 +66,31 @@ def bounds(shape: TopoDS_Shape) -> Floats:
 
 def volume(shape: TopoDS_Shape) -> float:
     """Volume of a shape's solids, mm³."""
+    return measured(shape)[0]
+
+
+def measured(shape: TopoDS_Shape) -> tuple[float, Floats]:
+    """Volume of a shape's solids, mm³, and its centre (3,), mm."""
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
-    return float(properties.Mass())
+    BRepGProp.VolumeProperties_s(shape, properties, ACCURACY)
+    return float(properties.Mass()), np.array(properties.CentreOfMass().Coord())
 
 
 def area(shape: TopoDS_Shape) -> float:
     """Area of a shape's faces, mm²; faces that occur twice count twice."""
     properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
+    BRepGProp.SurfaceProperties_s(shape, properties, ACCURACY)
     return float(properties.Mass())
+
+
+def quartered(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """A copy of a shape whose faces of revolution turn by no more than a quarter each."""
+    divided = ShapeUpgrade_ShapeDivideAngle(math.pi / 2, shape)
+    divided.SetPrecision(1e-7)
+    divided.Perform()
+    mended = ShapeFix_Shape(divided.Result())  # which OCCT leaves with faces turned inside out
+    mended.Perform()
+    return mended.Shape()
 
 
 def location(placement: Placement) -> TopLoc_Location:

@@ -25,7 +25,7 @@ from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256
 """Most layers that are computed in one go, and"""
-VERTICES_AT_ONCE = 1 << 18
+VERTICES_AT_ONCE = 1 << 16
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
 
@@ -245,6 +245,21 @@ class Filling:
         """The diagram at any height z, mm, cut by a section's rings or else the base rectangle."""
         rings = (self.box,) if section is None else section.rings
         return self.slice(Section(z, rings), 0).diagram
+
+    def sites_at(self, points: Floats) -> Ints:
+        """(k,) the site in whose cell each of the points (k, 3), mm, lies, inside a part or not.
+
+        The one alive there with the least power distance: squared distance less weight.
+        """
+        sites, square = self.history.sites.by_site(), self.grid.pitch**2
+        places = self.grid.millimetres(sites.places)
+        times = times_of(points[:, 2], self.growth_step, self.grid)
+        nearest = []
+        for place, time in zip(points[:, :2], times, strict=True):
+            weights = square * (sites.base + sites.growth * time)
+            power = ((places - place) ** 2).sum(axis=1) - weights
+            nearest.append(np.where(sites.born <= time, power, np.inf).argmin())
+        return np.array(nearest, np.int64)
 
     def slice(self, section: Section, index: int) -> Layer:
         """The layer with a given index of any section at any height, computed by itself."""
