@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from v3dcad.cli import main
+from v3dcad.report import certificate_line
 
 
 def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -48,6 +50,25 @@ def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None
     assert again.returncode == 0, again.stderr
     told = run("info", tmp_path / "out" / "bracket.ont")
     assert "4 mm" in told.stdout
+
+
+def test_no_insertion_is_obeyed(samples: Path, tmp_path: Path) -> None:
+    births = {}
+    for word in ("--insertion", "--no-insertion"):
+        report = tmp_path / f"{word}.json"
+        done = run("fill", samples / "pyramid.stl", "--layer-height", 2, "--report", report, word)
+        told = json.loads(report.read_text(encoding="utf-8"))
+        births[word] = len(told["births"])
+        assert f"births        {births[word]}\n" in done.stdout
+        assert certificate_line(told["overhang"]) in done.stdout
+    assert births["--insertion"] > births["--no-insertion"] == 0
+
+
+def test_warm_up_says_when_it_is_done() -> None:
+    done = run("warm-up")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "the engine is compiled\n"
+    assert done.stderr == "", "nothing is announced in a pipe"
 
 
 def test_info_tells_what_a_part_holds(samples: Path) -> None:
@@ -277,8 +298,6 @@ def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
     gcode = tmp_path / "a.gcode"
     done = run("fill", samples / "cone.step", "--layer-height", 5, "--gcode", gcode)
     assert done.returncode == 0, done.stderr
-    import json
-
     told = json.loads(run("gcode", "info", gcode, "--json").stdout)
     assert told["layers"] == 6
     assert told["time_s"] > 60

@@ -103,7 +103,9 @@ def certificate_line(overhang: dict[str, float]) -> str:
     )
     outside = overhang["walls_outside_section_below_mm"]
     part = f"; {outside:.1f} mm over the part's own overhang" if outside else ""
+    struts = overhang["largest_strut_tilt_deg"]
+    lean = f", struts up to {struts:.1f}°" if struts else ""
     return (
-        f"walls lean up to {overhang['largest_wall_tilt_deg']:.1f}°, rest within "
+        f"walls lean up to {overhang['largest_wall_tilt_deg']:.1f}°{lean}, and rest within "
         f"{overhang['largest_distance_mm']:.3f} mm: {support}{part}"
     )
