@@ -1,5 +1,11 @@
 """Numbers in, numbers out: plane geometry on numpy arrays; knows no layer, part or file.
 
-exact → triangulation → kinetics → clip → tree: the power-diagram engine, compiled by numba, on the
-integer points of grid; cells: a diagram's rings on demand; polygon: do rings cross?
+exact → flips → triangulation → kinetics → cut → tree: the power-diagram engine, compiled by numba,
+on the integer points of grid; cells: a diagram's rings on demand; polygon: do rings cross?
 """
+
+from pathlib import Path
+
+from v3dcad.geometry.stale import forget_stale
+
+forget_stale(Path(__file__).parents[1])
