@@ -37,7 +37,7 @@ def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.Monke
     assert Path("cadquery_parts.step").stat().st_size > 10_000
 
 
-@pytest.mark.filterwarnings("ignore:thickness .* close up")
+@pytest.mark.filterwarnings("ignore:.* cells are wide. they close up")
 @pytest.mark.parametrize(
     "name",
     [
