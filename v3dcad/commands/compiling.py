@@ -19,7 +19,7 @@ def announce_compiling() -> None:
 
         def on_start(self, _: object) -> None:
             if not self.said:
-                print("compiling the engine: up to a minute, once", file=sys.stderr, flush=True)
+                print("compiling the engine: a minute or more, once", file=sys.stderr, flush=True)
             self.said = True
 
         def on_end(self, _: object) -> None: ...
