@@ -201,6 +201,7 @@ class Forms:
         united first).
         """
         from v3dcad.formats.threemf import write_beams, write_mesh
+        from v3dcad.geometry.bars import bar_mesh
 
         with written_beside(Path(path)) as beside:
             if form != "beams":
@@ -210,7 +211,7 @@ class Forms:
                 return
             diameter = _only(sizes, form, "diameter")
             points, struts = self._axes(diameter)
-            mesh = self.strut_mesh(diameter) if fallback else None
+            mesh = bar_mesh(points, struts, diameter) if fallback else None
             write_beams(beside, points, struts, diameter / 2, self.part.name, mesh)
 
     def write_svg(self, path: str | Path, layer: int = 0) -> None:

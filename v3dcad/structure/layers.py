@@ -103,18 +103,8 @@ def _with_room(pool, used, more):  # type: ignore[no-untyped-def]
     return longer
 
 
-@njit(types.boolean(INTS, INTS), **INTERNAL)
+@njit([types.boolean(INTS, INTS), types.boolean(ROW, ROW)], **INTERNAL)
 def _same_numbers(before, now):  # type: ignore[no-untyped-def]
-    if len(before) != len(now):
-        return False
-    for place in range(len(now)):  # noqa: SIM110
-        if before[place] != now[place]:
-            return False
-    return True
-
-
-@njit(types.boolean(ROW, ROW), **INTERNAL)
-def _same_cells(before, now):  # type: ignore[no-untyped-def]
     if len(before) != len(now):
         return False
     for place in range(len(now)):  # noqa: SIM110
@@ -231,7 +221,7 @@ def run(  # type: ignore[no-untyped-def]
                 or graph < 0
                 or motion.state[TOUCHED] != 0
                 or not _same_numbers(starts_before, starts)
-                or not _same_cells(begun_before, begun_in)
+                or not _same_numbers(begun_before, begun_in)
                 or not _same_crossings(before, count_before, crossings, count)
             ):
                 fresh = True
