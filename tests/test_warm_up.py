@@ -8,6 +8,7 @@ import pty
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -94,29 +95,76 @@ def first_line_on_a_terminal(cache: Path, *words: str) -> str:
 @pytest.mark.parametrize("command", [["warm-up"], ["fill", "no.step", "--out", "out"]])
 def test_compiling_is_announced_on_a_terminal(command: list[str], tmp_path: Path) -> None:
     said = first_line_on_a_terminal(tmp_path, *command)
-    assert said == "compiling the engine: a minute or more, once\r\n"
+    assert said == "compiling the engine: half a minute, once\r\n"
 
 
-def test_nothing_is_announced_that_has_been_compiled(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.fixture
+def listener(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> tuple[object, list[list[str]]]:
+    """What listens for compilations on a terminal, and the processes that it starts."""
+    from numba.core import event
+
+    from v3dcad.commands import compiling
+
+    listeners: list[event.Listener] = []
+    started: list[list[str]] = []
+
+    def start(words: list[str], **_: object) -> SimpleNamespace:
+        started.append(words)
+        return SimpleNamespace(terminate=lambda: None)
+
+    monkeypatch.setattr(compiling.subprocess, "Popen", start)
+    monkeypatch.setattr(compiling.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with monkeypatch.context() as patch:
+        patch.setattr(event, "register", lambda kind, listener: listeners.append(listener))
+        compiling.tell_of_compiling(*compiling.THEIRS)
+    return listeners[0], started
+
+
+def test_the_first_compilation_is_told_of_and_shared(
+    listener: tuple[object, list[list[str]]], capsys: pytest.CaptureFixture[str]
 ) -> None:
     import numba
     from numba.core import event
 
-    from v3dcad.commands.compiling import announce_compiling
-
-    listeners: list[event.Listener] = []
-    with monkeypatch.context() as patch:
-        patch.setattr(event, "register", lambda kind, listener: listeners.append(listener))
-        announce_compiling()
-        assert not listeners, "in a pipe"
-        patch.setattr(sys.stderr, "isatty", lambda: True)
-        announce_compiling()
-    (listener,) = listeners
-    with event.install_listener("numba:compile", listener):
+    heard, started = listener
+    with event.install_listener("numba:compile", heard):
+        assert not started
         double = numba.njit(lambda number: 2 * number)
         double(1)
         assert capsys.readouterr().err.count("\n") == 1
         double(2)
         double(1.5)
     assert capsys.readouterr().err == ""
+    assert len(started) == 1, "one process for all compilations"
+
+
+def test_on_one_processor_compiling_is_not_shared(
+    listener: tuple[object, list[list[str]]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heard, started = listener
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    heard.on_start(None)
+    assert started == []
+
+
+def test_the_second_process_compiles_what_the_engine_needs(
+    listener: tuple[object, list[list[str]]],
+) -> None:
+    from v3dcad.commands.compiling import OURS, THEIRS
+
+    heard, started = listener
+    heard.on_start(None)
+    ((*python, code),) = started
+    assert python == [sys.executable, "-c"]
+    loaded = code.rsplit("import ", 1)[1].split(", ")
+    assert loaded == list(THEIRS)
+    show = f"import sys, {', '.join(OURS)}; print(set({loaded!r}) - set(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", show], capture_output=True, encoding="utf-8", check=True,
+        env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
+    )  # fmt: skip
+    assert done.stdout.strip() == "set()", "nothing that would not be loaded anyway"
+    subprocess.run([*python, code], cwd="/", check=True)  # finds the package from anywhere

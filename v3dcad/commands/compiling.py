@@ -1,27 +1,70 @@
-"""What a terminal is told while numba compiles."""
+"""The first start: two processes compile what a command needs, and a terminal is told."""
 
 from __future__ import annotations
 
+import atexit
+import os
+import subprocess
 import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+OURS = (
+    "v3dcad.geometry.kinetics",
+    "v3dcad.structure.births",
+    "v3dcad.structure.layers",
+    "v3dcad.structure.fill",
+)
+"""Modules of the engine in the order in which this process loads them, and so compiles what
+numba's cache has not; and"""
+THEIRS = (
+    "v3dcad.geometry.walk",
+    "v3dcad.geometry.tree",
+    "v3dcad.geometry.cut",
+    "v3dcad.geometry.graph",
+    "v3dcad.geometry.polygon",
+    "v3dcad.geometry.support",
+    "v3dcad.geometry.grid",
+)
+"""those that meanwhile a second process compiles, which are needed last."""
 
 
-def announce_compiling() -> None:
-    """From now on say on a terminal, once, that something is being compiled: it takes a while.
+def load_engine() -> None:
+    """Load the engine; where that means to compile it, by two processes."""
+    tell_of_compiling(*THEIRS)
+    for module in OURS:
+        import_module(module)
 
-    To be called before the engine is loaded, which compiles it where numba's cache has it not.
+
+def tell_of_compiling(*beside: str) -> None:
+    """From now on say on a terminal, once, should something be compiled: it takes a while.
+
+    Then, too, have a second process load some modules `beside`, and so compile them. To be called
+    before anything is loaded that is compiled.
     """
-    if not sys.stderr.isatty():
-        return
     from numba.core import event
 
-    class Announcer(event.Listener):
-        said = False
+    class FirstCompilation(event.Listener):
+        begun = False
 
         def on_start(self, _: object) -> None:
-            if not self.said:
-                print("compiling the engine: a minute or more, once", file=sys.stderr, flush=True)
-            self.said = True
+            if not self.begun:
+                self.begun = True
+                if sys.stderr.isatty():
+                    print("compiling the engine: half a minute, once", file=sys.stderr, flush=True)
+                if beside and (os.cpu_count() or 1) > 1:
+                    _load_beside(beside)
 
         def on_end(self, _: object) -> None: ...
 
-    event.register("numba:compile", Announcer())  # type: ignore[no-untyped-call]
+    event.register("numba:compile", FirstCompilation())  # type: ignore[no-untyped-call]
+
+
+def _load_beside(modules: Sequence[str]) -> None:
+    """Have another process load modules, which fills numba's cache; it ends with this one."""
+    code = f"import sys; sys.path = {sys.path!r}; import {', '.join(modules)}"
+    silent = subprocess.DEVNULL
+    helper = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=silent, stdout=silent, stderr=silent
+    )
+    atexit.register(helper.terminate)

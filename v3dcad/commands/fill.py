@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from v3dcad.commands.compiling import announce_compiling
+from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
@@ -69,7 +69,7 @@ def fill(
     named = {"ont": ont, "gcode": gcode, "step": step, "png": png, "report": report}
     named |= {"stl": stl, "threemf": threemf, "brep": brep, "svg": svg}
     files = _files(part, out, named)
-    announce_compiling()
+    load_engine()
     from v3dcad.parts import check_readable
     from v3dcad.pipeline import fill as fill_part
 

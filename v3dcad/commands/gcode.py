@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from v3dcad.commands.compiling import announce_compiling
+from v3dcad.commands.compiling import tell_of_compiling
 from v3dcad.commands.rows import print_rows
 
 gcode_app = typer.Typer(name="gcode", help="Look at G-code files.", no_args_is_help=True)
@@ -28,7 +28,7 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Tell bounds, lengths, time, filament and layers of a G-code file."""
-    announce_compiling()
+    tell_of_compiling()
     from v3dcad.formats.gcode_read import read_gcode
     from v3dcad.parts import check_readable
 

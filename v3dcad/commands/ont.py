@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from v3dcad.commands.compiling import announce_compiling
+from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.rows import print_rows
 
 ont_app = typer.Typer(name="ont", help="Check and convert .ont files.", no_args_is_help=True)
@@ -26,7 +26,7 @@ def info(file: File) -> None:
 @ont_app.command()
 def check(file: File) -> None:
     """Make the structure again and compare it with the file's check sum."""
-    announce_compiling()
+    load_engine()
     from v3dcad.ont import check as checked
 
     print_rows(checked(file).items())
@@ -42,7 +42,7 @@ def convert(
     verify: Annotated[bool, typer.Option(help="Compare with the check sum first.")] = True,
 ) -> None:
     """Write an .ont file with its boundary in another form."""
-    announce_compiling()
+    load_engine()
     from v3dcad.ont import convert as converted
 
     converted(file, out, boundary, verify=verify)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import typer
 
-from v3dcad.commands.compiling import announce_compiling
+from v3dcad.commands.compiling import load_engine
 
 
 def warm_up() -> None:
     """Compile the engine now, so that the first fill does not have to."""
-    announce_compiling()
+    load_engine()
     from v3dcad.warm_up import warm_up as compile_all
 
     compile_all()

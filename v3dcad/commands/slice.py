@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from v3dcad.commands.compiling import announce_compiling
+from v3dcad.commands.compiling import tell_of_compiling
 from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
@@ -30,7 +30,7 @@ def slice_part(
     **settings: Any,
 ) -> None:
     """Cut PART into sections: STEP with exact lines and arcs, SVG."""
-    announce_compiling()
+    tell_of_compiling()
     from v3dcad.slicing import section, write_sections_step, write_sections_svg
 
     files = [file for file in (step, svg) if file is not None]
