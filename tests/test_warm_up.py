@@ -99,9 +99,7 @@ def test_compiling_is_announced_on_a_terminal(command: list[str], tmp_path: Path
 
 
 @pytest.fixture
-def listener(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> tuple[object, list[list[str]]]:
+def listener(monkeypatch: pytest.MonkeyPatch) -> tuple[object, list[list[str]]]:
     """What listens for compilations on a terminal, and the processes that it starts."""
     from numba.core import event
 
@@ -114,9 +112,9 @@ def listener(
         started.append(words)
         return SimpleNamespace(terminate=lambda: None)
 
-    monkeypatch.setattr(compiling.subprocess, "Popen", start)
+    fake = SimpleNamespace(Popen=start, DEVNULL=subprocess.DEVNULL)
+    monkeypatch.setattr(compiling, "subprocess", fake)
     monkeypatch.setattr(compiling.os, "cpu_count", lambda: 2)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with monkeypatch.context() as patch:
         patch.setattr(event, "register", lambda kind, listener: listeners.append(listener))
         compiling.tell_of_compiling(*compiling.THEIRS)
@@ -124,12 +122,15 @@ def listener(
 
 
 def test_the_first_compilation_is_told_of_and_shared(
-    listener: tuple[object, list[list[str]]], capsys: pytest.CaptureFixture[str]
+    listener: tuple[object, list[list[str]]],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     import numba
     from numba.core import event
 
     heard, started = listener
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with event.install_listener("numba:compile", heard):
         assert not started
         double = numba.njit(lambda number: 2 * number)
