@@ -134,20 +134,6 @@ def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
     return mesh
 
 
-@njit(WORD(MESH), **COMPILED)
-def irregular_edges(mesh):  # type: ignore[no-untyped-def]
-    """How many edges are not regular: 0, unless weights have changed since."""
-    triangles, irregular = mesh.triangles, 0
-    for triangle in range(mesh.count[TRIANGLES]):
-        for i in range(3):
-            other = triangles[triangle, ACROSS + i]
-            if other > triangle and triangles[triangle, 0] != NOTHING:
-                d = triangles[other, edge_to(triangles, other, triangle)]
-                b, c = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
-                irregular += conflicts(mesh.points, triangles[triangle, i], b, c, d)
-    return irregular
-
-
 def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
     """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
     corners = mesh.triangles[: mesh.count[TRIANGLES], :3]
