@@ -28,7 +28,7 @@ LAPS = 4
 goes round once more from there."""
 
 FLOAT = types.float64
-FLOATS, FLOAT_ROWS, SIDES = types.float64[::1], types.float64[:, ::1], types.int8[::1]
+FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
 INTS, INT_ROWS = types.int64[::1], types.int64[:, ::1]
 ROW, ROWS = types.int32[::1], types.int32[:, ::1]
 WALKED = types.Tuple((WORD, ROWS, FLOATS))
