@@ -9,6 +9,10 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import ConvexHull
 
 
+THIN = 1e-10
+"""A cell's part that is thinner behind its contour than this share of the section is none."""
+
+
 def area_of(section):
     """The section as a shapely area: the faces between its rings that they wind around."""
     between = faces(section.rings)
@@ -107,7 +111,8 @@ def cut_cells(area, cells):
     crossed = cells[~shapely.contains_properly(area, cells)]
     parts = shapely.area(shapely.intersection(area, crossed))
     contours = shapely.intersection(shapely.boundary(area), crossed)
-    return len(cells) - int((parts == 0).sum()), contours
+    thin = THIN * np.ptp(shapely.bounds(area)) * shapely.length(contours)
+    return len(cells) - int((parts <= thin).sum()), contours
 
 
 def spanning_tree(sites, pairs):

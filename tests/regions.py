@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 
-def region(random, size):
+def region(random, size, apart=False):
     """The rings of some triangles of a grid from 0 to `size`, the region on their left.
 
-    At corners where the region touches itself, rings go on at random.
+    At corners where the region touches itself, rings go on at random, or so that they keep apart.
     """
     filled = random.random((size, size, 4)) < random.uniform(0.2, 0.9)
     filled[random.integers(size), random.integers(size)] = True
@@ -33,8 +33,16 @@ def region(random, size):
             ring = [first]
             while True:
                 ways = onward[ring[-1]]
-                ring.append(ways.pop(random.integers(len(ways))))
+                if apart and len(ring) > 1:
+                    ways.sort(key=lambda way: _turn(*ring[-2:], way))  # noqa: B023
+                ring.append(ways.pop(-1 if apart else random.integers(len(ways))))
                 if ring[-1] == first:
                     break
             rings.append(np.array(ring[:-1], np.float64) / 2)
     return rings
+
+
+def _turn(before, here, after):
+    """By which angle a way turns to the left."""
+    into, out = (complex(b[0] - a[0], b[1] - a[1]) for a, b in ((before, here), (here, after)))
+    return np.angle(out / into)

@@ -42,3 +42,22 @@ def test_sections_that_touch_themselves_obey_the_laws(given_section, offset):
     settings = FillSettings(max_overhang=90.0, offset=offset, layer_height=0.5)
     for layer in list(fill_sections(sections, sites, settings).layers)[::3]:
         laws(layer)
+
+
+@given(st.integers(0, 10**6), st.sampled_from([0.0, 0.01]))
+def test_cells_behind_a_contour_are_not_counted(seed, offset):
+    """Nor do they have edges. The sites lie on the engine's grid: many walls are on a contour."""
+    random = np.random.default_rng(seed)
+    rings = region(random, 4, apart=True)
+    sites = random.permutation(np.argwhere(np.ones((5, 5))) - 0.5)[: random.integers(1, 25)]
+    sites = np.vstack([sites, [[-2, -2], [6, 6]]])
+    sections = [Section(0.5 * k, tuple(rings)) for k in range(4)]
+    settings = FillSettings(max_overhang=90.0, offset=offset, layer_height=0.5, insertion=False)
+    for layer in fill_sections(sections, sites, settings).layers:
+        state, area = layer.state, oracle.area_of(layer.section)
+        np.testing.assert_array_equal(state.sites, sites)
+        parts = shapely.area(oracle.cells(state.sites, state.weights, layer.section))
+        cells = np.nonzero(parts > 1e-9)[0]
+        np.testing.assert_array_equal(layer.diagram.sites(), cells)
+        assert layer.area_per_cell == pytest.approx(area.area / len(cells))
+        assert oracle.layer(state.sites, state.weights, layer.section)[3] == len(cells)

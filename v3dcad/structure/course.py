@@ -31,6 +31,7 @@ from v3dcad.structure.layers import (
 from v3dcad.structure.timed import SiteStates, Timed
 from v3dcad.structure.walls import Tracks
 
+
 class Course:
     """The engine at work: where it has got to, and with which sites.
 

@@ -196,13 +196,9 @@ def run(  # type: ignore[no-untyped-def]
         first = rings.starts[rings_from]
         corners = rings.corners[first : rings.starts[rings_to]]
         starts = rings.starts[rings_from : rings_to + 1] - first
-        after = np.empty(len(corners), np.int64)
-        link_corners(starts, after)
+        after, stepped = np.empty(len(corners), np.int64), np.empty((len(corners), 2))
+        link_corners(corners, starts, left, low, pitch, after, stepped)
         areas[layer] = signed_area(corners, starts)
-        stepped = np.empty((len(corners), 2))
-        for corner in range(len(corners)):
-            stepped[corner, 0] = (corners[corner, 0] - left) / pitch
-            stepped[corner, 1] = (corners[corner, 1] - low) / pitch
         begun_in = np.empty(len(starts) - 1, np.int32)
         fresh, born, walked = False, 0, True
         while True:
