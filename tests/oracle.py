@@ -8,7 +8,6 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import ConvexHull
 
-
 THIN = 1e-10
 """A cell's part that is thinner behind its contour than this share of the section is none."""
 

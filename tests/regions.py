@@ -34,7 +34,7 @@ def region(random, size, apart=False):
             while True:
                 ways = onward[ring[-1]]
                 if apart and len(ring) > 1:
-                    ways.sort(key=lambda way: _turn(*ring[-2:], way))  # noqa: B023
+                    ways.sort(key=lambda way: _turn(*ring[-2:], way))
                 ring.append(ways.pop(-1 if apart else random.integers(len(ways))))
                 if ring[-1] == first:
                     break

@@ -16,6 +16,7 @@ from v3dcad.structure.fill import fill_sections
 
 SQUARE = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
 SMALL = SQUARE / 2 + 1
+ASIDE = np.array([2.0, 0])
 
 
 def fault(rings):
@@ -104,8 +105,8 @@ def test_rounding_is_no_fault(seed, share, angle):
         pytest.param([SQUARE, SQUARE], id="twice"),
         pytest.param([SQUARE, SMALL], id="hole counter-clockwise"),
         pytest.param([SQUARE, SMALL[::-1] + 8], id="hole outside"),
-        pytest.param([SQUARE, SQUARE + [2, 0]], id="overlapping along a side"),
-        pytest.param([SQUARE, SMALL[::-1] + [2, 0]], id="hole across"),
+        pytest.param([SQUARE, SQUARE + ASIDE], id="overlapping along a side"),
+        pytest.param([SQUARE, SMALL[::-1] + ASIDE], id="hole across"),
         pytest.param([SQUARE, SMALL[::-1], SMALL[::-1] + 0.5], id="holes overlapping"),
     ],
 )

@@ -27,7 +27,7 @@ crossed, entries of `changed` and of `fresh`, and how often an inner vertex was 
 most."""
 
 NONE, UNCROSSED = -1, -2
-"""What `Cut.first_on` has for an edge without crossings: not listed, or listed among the crossed."""
+"""What `Cut.first_on` has for an edge without crossings: listed nowhere, or among the crossed."""
 
 
 TOO_MANY = -1

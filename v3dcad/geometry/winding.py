@@ -32,11 +32,8 @@ def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
         while waiting > 0:
             waiting -= 1
             triangle = stack[waiting]
-            if begun:
-                # Settled: once more around, to settle those across and to see whether it fits.
-                winding = inside[triangle]
-            else:
-                winding = UNKNOWN
+            # Settled: once more around, to settle those across and to see whether it fits.
+            winding = inside[triangle] if begun else UNKNOWN
             for i in range(3):
                 other = triangles[triangle, ACROSS + i]
                 if other == NOTHING:
