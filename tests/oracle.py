@@ -8,11 +8,30 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import ConvexHull
 
+THIN = 1e-10
+"""A cell's part that is thinner behind its contour than this share of the section is none."""
+
 
 def area_of(section):
-    """The section as a shapely area (even-odd over its rings)."""
-    rings = [shapely.linestrings(np.vstack([ring, ring[:1]])) for ring in section.rings]
-    return shapely.build_area(shapely.multilinestrings(rings))
+    """The section as a shapely area: the faces between its rings that they wind around."""
+    between = faces(section.rings)
+    inside = shapely.get_coordinates(shapely.point_on_surface(between))
+    return shapely.union_all(between[windings(section.rings, inside) > 0])
+
+
+def faces(rings):
+    """The faces between rings, as shapely areas."""
+    lines = [shapely.linestrings(np.vstack([ring, ring[:1]])) for ring in rings]
+    return shapely.get_parts(shapely.polygonize([shapely.unary_union(lines)]))
+
+
+def windings(rings, points):
+    """(n,) how often rings wind around points (n, 2), by the angles that they sweep."""
+    total = np.zeros(len(points))
+    for ring in rings:
+        way = (ring[None] - points[:, None]) @ np.array([1, 1j])
+        total += np.angle(np.roll(way, -1, axis=1) / way).sum(axis=1)
+    return np.rint(total / (2 * np.pi)).astype(int)
 
 
 def power_diagram(sites, weights):
@@ -91,7 +110,8 @@ def cut_cells(area, cells):
     crossed = cells[~shapely.contains_properly(area, cells)]
     parts = shapely.area(shapely.intersection(area, crossed))
     contours = shapely.intersection(shapely.boundary(area), crossed)
-    return len(cells) - int((parts == 0).sum()), contours
+    thin = THIN * np.ptp(shapely.bounds(area)) * shapely.length(contours)
+    return len(cells) - int((parts <= thin).sum()), contours
 
 
 def spanning_tree(sites, pairs):

@@ -10,7 +10,6 @@ from v3dcad.geometry.flips import NOTHING, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import STEPS, Grid, curve_order
 from v3dcad.geometry.kinetics import advance, motion_of
 from v3dcad.geometry.kruskal import spanning_tree
-from v3dcad.geometry.polygon import crossing_segment
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 
 pytestmark = pytest.mark.filterwarnings("error")
@@ -126,20 +125,3 @@ def test_spanning_tree_breaks_ties_by_site_numbers():
     places = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
     pairs = np.array([[2, 3], [0, 3], [1, 2], [0, 1]])
     np.testing.assert_array_equal(spanning_tree(places, pairs), [[0, 1], [0, 3], [1, 2]])
-
-
-@pytest.mark.parametrize(
-    ("ring", "crosses"),
-    [
-        ([[0, 0], [1, 1], [1, 0], [0, 1]], True),
-        ([[0, 0], [1, 0], [1, 1], [0, 1]], False),
-        ([[0, 0], [2, 0], [1, 0], [1, 1]], False),  # touches itself
-    ],
-)
-def test_crossing_rings_are_found(ring, crosses):
-    corners = np.array(ring, np.float64)
-    many = np.column_stack([np.cos(np.arange(500)), np.sin(np.arange(500))]) * 5
-    many = many[np.argsort(np.arange(500) % (2 * np.pi))]
-    rings = np.concatenate([many, corners])
-    found = crossing_segment(rings, np.array([0, 500, 504]), np.array([0, 1, 2]))
-    assert (found >= 500) == crosses

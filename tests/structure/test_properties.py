@@ -65,7 +65,8 @@ def test_beads_are_counted_once_where_they_meet(rings, sites, width) -> None:  #
     found = properties(layers, 0.5, width, 1.0)
     diagram = layers[0].diagram
     area = section_area(layers[0].section)
-    walls = shapely.multilinestrings(list(diagram.vertices[diagram.edges[diagram.inner()]]))
+    inner = diagram.vertices[diagram.edges[diagram.inner()]]
+    walls = shapely.multilinestrings(shapely.linestrings(inner))
     union = shapely.unary_union(
         [
             shapely.buffer(walls, width / 2, quad_segs=64),

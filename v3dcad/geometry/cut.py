@@ -24,10 +24,10 @@ from v3dcad.geometry.walk import INTO, INTS, ROWS
 from v3dcad.geometry.winding import UNKNOWN, chain, wind
 
 
-@njit(types.boolean(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
+@njit(types.void(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
 def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  # type: ignore[no-untyped-def]
     """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
-    cross now or crossed before. Returns False where rings overlap or run the wrong way round.
+    cross now or crossed before.
     """
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
     crossed, state = cut.crossed, motion.state
@@ -73,8 +73,7 @@ def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  #
                 listed[length] = triangle
                 length += 1
         inside[mesh.triangle_of[0]] = 0
-        if not wind(mesh, inside, cut.gain, everyone, many):
-            return False
+        wind(mesh, inside, cut.gain, everyone, many)
     doomed, dying = np.empty(length, np.int32), 0
     halves, dropped = np.empty(3 * length + cut.state[CROSSED], np.int32), 0
     for place in range(length):
@@ -112,7 +111,6 @@ def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  #
                 keys[many] = 3 * other + edge_to(triangles, other, triangle)
                 many += 1
     settle_edges(mesh, cut, site_of, keys, many)
-    return True
 
 
 @njit(WORD(CUT, ROW, ROWS, WORD, ROW, WORD), **INTERNAL)

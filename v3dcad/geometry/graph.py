@@ -51,6 +51,10 @@ def write_edges(  # type: ignore[no-untyped-def]
 
     Vertices are numbered: inner ones, then the rings' corners, then the crossings. Takes the
     crossings' winding away.
+
+    Along an edge pieces begin at its first end as often as that is wound around and wherever a
+    crossing gains, and end where one loses and at the other end: the first where the first ends,
+    and so on, whatever rounding has made of the crossings' order.
     """
     points, triangles, inside = mesh.points, mesh.triangles, cut.inside
     vertex_of, first_on, inner = cut.vertex_of, cut.first_on, cut.state[VERTICES]
@@ -63,40 +67,44 @@ def write_edges(  # type: ignore[no-untyped-def]
     for place in range(cut.state[CROSSED]):
         key = cut.crossed[place]
         triangle, i = key // 3, key % 3
-        other, winding = triangles[triangle, ACROSS + i], inside[triangle]
+        other = triangles[triangle, ACROSS + i]
         right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
         low, high, backwards = site_of[right], site_of[left], 0
         if low > high:
             low, high, backwards = high, low, 1
-        # The crossings in their order from this triangle to the other: they alternate.
         way_x = float(points[left, 1] - points[right, 1])
         way_y = float(points[right, 0] - points[left, 0])
-        begin, to = vertex_of[triangle], row
+        near, far, to = np.int64(inside[triangle]), np.int64(inside[other]), row
         row += 1
         while True:
-            best, soonest, crossing = -1, np.inf, first_on[key]
-            while crossing >= 0:
-                if crossings[crossing, WINDING] == (-1 if winding == 1 else 1):
-                    p = crossings[crossing, SEGMENT]
-                    q = after[p]
-                    x = corners[p, 0] + at[crossing] * (corners[q, 0] - corners[p, 0])
-                    y = corners[p, 1] + at[crossing] * (corners[q, 1] - corners[p, 1])
-                    if x * way_x + y * way_y < soonest:
-                        best, soonest = crossing, x * way_x + y * way_y
-                crossing = next_on[crossing]
-            if best < 0 and winding == 0:
+            end = -1
+            for k in range(2):  # where a piece begins and where it ends
+                gain, end = 1 - 2 * k, -1
+                if near * gain > 0:
+                    near, end = near - gain, vertex_of[triangle]
+                else:
+                    best, soonest, crossing = -1, np.inf, first_on[key]
+                    while crossing >= 0:
+                        if crossings[crossing, WINDING] == gain:
+                            p = crossings[crossing, SEGMENT]
+                            q = after[p]
+                            x = corners[p, 0] + at[crossing] * (corners[q, 0] - corners[p, 0])
+                            y = corners[p, 1] + at[crossing] * (corners[q, 1] - corners[p, 1])
+                            if x * way_x + y * way_y < soonest:
+                                best, soonest = crossing, x * way_x + y * way_y
+                        crossing = next_on[crossing]
+                    if best >= 0:
+                        crossings[best, WINDING], end = 0, crossing_base + best  # taken
+                    elif far * gain < 0:
+                        far, end = far + gain, vertex_of[other]
+                if end < 0:
+                    break
+                edges[to, k ^ backwards] = end
+            if end < 0:
                 break
-            end = vertex_of[other]
-            if best >= 0:
-                crossings[best, WINDING], end = 0, crossing_base + best  # taken
-            if winding == 1:
-                edges[to, backwards], edges[to, 1 - backwards] = begin, end
-                sites[to, 0], sites[to, 1] = low, high
-                length += to == length
-                to = length
-            begin, winding = end, 1 - winding
-            if best < 0:
-                break
+            sites[to, 0], sites[to, 1] = low, high
+            length += to == length
+            to = length
     crossing = 0
     for ring in range(len(starts) - 1):
         cell = begun_in[ring]

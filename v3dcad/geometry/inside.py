@@ -2,6 +2,10 @@
 
 An edge is *whole* where both its ends lie inside and no ring crosses it. Inner vertices and whole
 edges are numbered without gaps: the last one moves to where one has gone.
+
+Where a part is thinner than rounding, as at points where rings touch, winding numbers may be others
+than 0 and 1. Vertices and edges there count as often as they are wound around, backwards if less
+than 0 times, so that each cell's sides close up. Edges there are listed among the crossed ones.
 """
 
 from __future__ import annotations
@@ -15,11 +19,15 @@ from numba.core.types import NamedTuple as TupleType
 from v3dcad.geometry.agenda import MOTION, strut
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
-from v3dcad.geometry.walk import FLOAT_ROWS, INTS, ROWS, SIDES
+from v3dcad.geometry.walk import FLOAT_ROWS, INTS, ROWS
 
-VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH = range(6)
+VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH, MOST = range(7)
 """What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are
-crossed, and entries of `changed` and of `fresh`."""
+crossed, entries of `changed` and of `fresh`, and how often an inner vertex was wound around, at
+most."""
+
+NONE, UNCROSSED = -1, -2
+"""What `Cut.first_on` has for an edge without crossings: listed nowhere, or among the crossed."""
 
 
 TOO_MANY = -1
@@ -30,7 +38,7 @@ class Cut(NamedTuple):
     """The diagram inside the rings. t, p: slots of triangles and points; edges by their keys."""
 
     inside: Any
-    """(t,) int8: each triangle's winding number"""
+    """(t,) int32: each triangle's winding number"""
     vertex_of: Any
     """(t,) int32: its inner vertex, or −1"""
     corners: Any
@@ -48,9 +56,9 @@ class Cut(NamedTuple):
     edge_at: Any
     """(3 t,) int32: the whole edge of a half, or −1"""
     first_on: Any
-    """(3 t,) int32: the first crossing on the edge with a key, or −1"""
+    """(3 t,) int32: the first crossing on the edge with a key, `NONE` or `UNCROSSED`"""
     gain: Any
-    """(3 t, 2) int8: what the winding number gains along it; and room for the next"""
+    """(3 t, 2) int32: what the winding number gains along it; and room for the next"""
     crossed: Any
     """(3 t,) int32: keys of crossed edges"""
     pair_at: Any
@@ -65,13 +73,13 @@ class Cut(NamedTuple):
     filled: Any
     """(p,) int32: how many inner vertices each cell has"""
     state: Any
-    """(6,) int64"""
+    """(7,) int64"""
 
 
-_VERTICES = [SIDES, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
+_VERTICES = [ROW, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
 
 
-_EDGES = [ROWS, ROWS, ROWS, ROW, ROW, types.int8[:, ::1], ROW, INTS, INTS, ROW]
+_EDGES = [ROWS, ROWS, ROWS, ROW, ROW, ROWS, ROW, INTS, INTS, ROW]
 
 
 CUT = TupleType([*_VERTICES, *_EDGES, ROW, ROW, INTS], Cut)
@@ -80,7 +88,7 @@ CUT = TupleType([*_VERTICES, *_EDGES, ROW, ROW, INTS], Cut)
 def empty_cut(points: int, triangles: int) -> Cut:
     """A cut of nothing, with room for so many points and triangles."""
     return Cut(
-        inside=np.zeros(triangles, np.int8),
+        inside=np.zeros(triangles, np.int32),
         vertex_of=np.full(triangles, -1, np.int32),
         corners=np.empty((triangles, 4), np.int32),
         struts=np.empty((triangles, 4)),
@@ -89,15 +97,15 @@ def empty_cut(points: int, triangles: int) -> Cut:
         sites=np.empty((3 * triangles, 2), np.int32),
         halves=np.empty((3 * triangles, 2), np.int32),
         edge_at=np.full(3 * triangles, -1, np.int32),
-        first_on=np.full(3 * triangles, -1, np.int32),
-        gain=np.zeros((3 * triangles, 2), np.int8),
+        first_on=np.full(3 * triangles, NONE, np.int32),
+        gain=np.zeros((3 * triangles, 2), np.int32),
         crossed=np.empty(3 * triangles, np.int32),
         pair_at=np.zeros(3 * triangles, np.int64),
         before=np.full(3 * triangles, -1, np.int64),
         changed=np.empty(3 * triangles, np.int32),
         fresh=np.empty(triangles, np.int32),
         filled=np.zeros(points, np.int32),
-        state=np.zeros(6, np.int64),
+        state=np.zeros(7, np.int64),
     )
 
 
@@ -165,9 +173,10 @@ def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-d
     vertex_of, corners, struts, holes = cut.vertex_of, cut.corners, cut.struts, cut.holes
     inside, filled, fresh = cut.inside, cut.filled, cut.fresh
     vertex, cells, news = cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH]
+    most = cut.state[MOST]
     for place in range(count):
         triangle = listed[place]
-        if inside[triangle] != 1 or vertex_of[triangle] >= 0:
+        if inside[triangle] == 0 or vertex_of[triangle] >= 0:
             continue
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
         first = min(a, b, c)
@@ -185,12 +194,14 @@ def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-d
             filled[cell] += 1
         vertex_of[triangle] = vertex
         vertex += 1
+        most = max(most, abs(inside[triangle]))
         if news == len(fresh):
             news = TOO_MANY
         if news != TOO_MANY:
             fresh[news] = triangle
             news += 1
     cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH] = vertex, cells, news
+    cut.state[MOST] = most
 
 
 @njit(types.void(MESH, CUT, INTS, ROW, WORD), **INTERNAL)
@@ -211,7 +222,10 @@ def settle_edges(mesh, cut, site_of, keys, count):  # type: ignore[no-untyped-de
         if triangles[triangle, 0] != NOTHING and other > triangle:
             right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
             whole = first_on[key] < 0 and inside[triangle] == 1 and inside[other] == 1
-            if whole or first_on[key] >= 0:
+            if not whole and first_on[key] == NONE and inside[triangle] != 0:
+                cut.crossed[cut.state[CROSSED]], first_on[key] = key, UNCROSSED
+                cut.state[CROSSED] += 1
+            if whole or first_on[key] != NONE:
                 pair = (min(right, left) << 32) + max(right, left)
             if whole and edge_at[key] < 0:
                 half = 3 * other + edge_to(triangles, other, triangle)

@@ -1,112 +1,119 @@
-"""Rings of line segments: do any two of them cross?"""
+"""Rings of line segments: is any area wound otherwise than a section's material is?
+
+Rings bound a section where they wind once around all that they wind around at all. A sweep
+decides that, over horizontal slabs from the height of one corner to that of the next. In a slab
+every segment goes from the bottom to the top, so that their order and the winding numbers between
+them tell all: no way of crossing, touching or lying on each other is a case of its own.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 
 FLOAT, FLOAT_ROWS, INTS = types.float64, types.float64[:, ::1], types.int64[::1]
+PLACE = types.Tuple((WORD, FLOAT, FLOAT))
 
-FLAT = 1e-12
-"""Three points whose triangle is flatter than this, relative to its sides, count as collinear."""
+THIN = 1e-10
+"""An area thinner than this, relative to the extent of its layer's rings, comes of rounding."""
 
-
-@njit(WORD(FLOAT_ROWS, *[WORD] * 3), **INLINED)
-def _side(corners, a, b, c):  # type: ignore[no-untyped-def]
-    """On which side of a → b point c lies: 1 left, −1 right, 0 on it but for rounding."""
-    ux, uy = corners[b, 0] - corners[a, 0], corners[b, 1] - corners[a, 1]
-    vx, vy = corners[c, 0] - corners[a, 0], corners[c, 1] - corners[a, 1]
-    turn = ux * vy - uy * vx
-    doubt = FLAT * (abs(ux) + abs(uy)) * (abs(ux) + abs(uy) + abs(vx) + abs(vy))
-    return 0 if abs(turn) <= doubt else (1 if turn > 0 else -1)
+LOW, HIGH, FOOT, HEAD, GAIN, BELOW, ABOVE = range(7)
+"""Columns of a segment: the heights of its ends and their x, what the winding number gains from
+its left to its right, and its x at the bottom and at the top of a slab."""
 
 
-@njit(types.boolean(FLOAT_ROWS, *[WORD] * 4), **INTERNAL)
-def segments_cross(corners, a, b, c, d):  # type: ignore[no-untyped-def]
-    """Whether a → b and c → d cross in the inside of both; touching is not crossing."""
-    if (
-        max(corners[a, 0], corners[b, 0]) < min(corners[c, 0], corners[d, 0])
-        or max(corners[c, 0], corners[d, 0]) < min(corners[a, 0], corners[b, 0])
-        or max(corners[a, 1], corners[b, 1]) < min(corners[c, 1], corners[d, 1])
-        or max(corners[c, 1], corners[d, 1]) < min(corners[a, 1], corners[b, 1])
-    ):
-        return False
-    return (
-        _side(corners, a, b, c) * _side(corners, a, b, d) < 0
-        and _side(corners, c, d, a) * _side(corners, c, d, b) < 0
-    )
-
-
-@njit(types.UniTuple(FLOAT, 2)(FLOAT, FLOAT), **INLINED)
-def sorted_pair(p, q):  # type: ignore[no-untyped-def]
-    """The two numbers, the smaller first."""
-    return (p, q) if p < q else (q, p)
-
-
-@njit(WORD(FLOAT_ROWS, INTS), **INTERNAL)
-def _crossing_in(corners, starts):  # type: ignore[no-untyped-def]
-    """A segment of one layer's rings that crosses another, or −1.
-
-    Ring k is corners (r, 2) from starts[k] to starts[k + 1]. Segments are listed in the cells of
-    a square grid that has about as many cells as there are segments, and compared within a cell.
+@njit(PLACE(FLOAT_ROWS, INTS, WORD, WORD), **INTERNAL)
+def _fault_in(corners, starts, rings_from, rings_to):  # type: ignore[no-untyped-def]
+    """Where one layer's rings wind neither 0 times nor once: the layer's first corner, x, y; or −1
+    and no place.
     """
-    count = len(corners)
-    if count < 4:
-        return -1
-    after = np.arange(1, count + 1)
-    for ring in range(len(starts) - 1):
-        if starts[ring] < starts[ring + 1]:
-            after[starts[ring + 1] - 1] = starts[ring]
-    left = right = corners[0, 0]
-    low = high = corners[0, 1]
-    for corner in range(count):
-        left, right = min(left, corners[corner, 0]), max(right, corners[corner, 0])
-        low, high = min(low, corners[corner, 1]), max(high, corners[corner, 1])
-    columns = int(np.sqrt(count)) + 1
-    size = max(right - left, high - low) / columns
-    if size == 0.0:
-        return -1
-    first = np.zeros(columns * columns + 1, np.int64)
-    listed = np.empty(0, np.int64)
-    for writing in range(2):  # count, then list
-        for a in range(count):
-            b = after[a]
-            x0, x1 = sorted_pair((corners[a, 0] - left) / size, (corners[b, 0] - left) / size)
-            y0, y1 = sorted_pair((corners[a, 1] - low) / size, (corners[b, 1] - low) / size)
-            for row in range(min(int(y0), columns - 1), min(int(y1), columns - 1) + 1):
-                for column in range(min(int(x0), columns - 1), min(int(x1), columns - 1) + 1):
-                    cell = row * columns + column
-                    if writing:
-                        for other in listed[first[cell] : first[cell + 1]]:
-                            if other < 0:
-                                break
-                            if segments_cross(corners, a, b, other, after[other]):
-                                return a
-                        place = first[cell]
-                        while listed[place] >= 0:
-                            place += 1
-                        listed[place] = a
-                    else:
-                        first[cell + 1] += 1
-        if not writing:
-            for cell in range(columns * columns):
-                first[cell + 1] += first[cell]
-            listed = np.full(first[-1], -1, np.int64)
-    return -1
+    first = starts[rings_from]
+    count = starts[rings_to] - first
+    segments, order = np.empty((count, 7)), np.empty(count, np.int64)
+    left = low = np.inf
+    right = high = -np.inf
+    for ring in range(rings_from, rings_to):
+        before = starts[ring + 1] - 1
+        for corner in range(starts[ring], starts[ring + 1]):
+            foot, head, gain = before, corner, -1.0
+            if corners[before, 1] > corners[corner, 1]:
+                foot, head, gain = corner, before, 1.0
+            segment, order[corner - first] = segments[corner - first], corner - first
+            segment[LOW], segment[FOOT] = corners[foot, 1], corners[foot, 0]
+            segment[HIGH], segment[HEAD] = corners[head, 1], corners[head, 0]
+            segment[GAIN] = gain
+            left, right = min(left, segment[FOOT]), max(right, segment[FOOT])
+            low, high = min(low, segment[LOW]), max(high, segment[HIGH])
+            before = corner
+    thin = THIN * max(right - left, high - low)
+    gap = count // 2
+    while gap > 0:  # Shell's sort, by the lower ends
+        for place in range(gap, count):
+            moved = order[place]
+            while place >= gap and segments[order[place - gap], LOW] > segments[moved, LOW]:
+                order[place] = order[place - gap]
+                place -= gap
+            order[place] = moved
+        gap = 1 if gap == 2 else gap * 5 // 11
+    # Those across the slab are order[:active], left to right; those above it order[waiting:].
+    bottom, active, waiting = -np.inf, 0, 0
+    while active > 0 or waiting < count:
+        while waiting < count and not segments[order[waiting], LOW] > bottom:
+            order[active] = order[waiting]
+            segments[order[active], ABOVE] = segments[order[active], FOOT]
+            active, waiting = active + 1, waiting + 1
+        top = segments[order[waiting], LOW] if waiting < count else np.inf
+        crossing = 0
+        for place in range(active):
+            segment = segments[order[place]]
+            if segment[HIGH] > bottom:
+                top = min(top, segment[HIGH])
+                order[crossing] = order[place]
+                crossing += 1
+        active = crossing
+        for place in range(active):
+            moved = order[place]
+            segment = segments[moved]
+            share = (top - segment[LOW]) / (segment[HIGH] - segment[LOW])
+            segment[BELOW] = segment[ABOVE]
+            segment[ABOVE] = segment[FOOT] + share * (segment[HEAD] - segment[FOOT])
+            while place > 0:
+                other = segments[order[place - 1]]
+                if not other[BELOW] + other[ABOVE] > segment[BELOW] + segment[ABOVE]:
+                    break
+                order[place] = order[place - 1]
+                place -= 1
+            order[place] = moved
+        height, winding = top - bottom, 0.0
+        for place in range(active - 1):
+            segment, other = segments[order[place]], segments[order[place + 1]]
+            winding += segment[GAIN]
+            below, above = other[BELOW] - segment[BELOW], other[ABOVE] - segment[ABOVE]
+            wide = abs(below) + abs(above)
+            if winding == 0.0 or winding == 1.0:  # then only a change of order is a fault
+                wide = max(-below, 0.0) + max(-above, 0.0)
+            long = height + wide + abs(segment[ABOVE] - segment[BELOW])
+            if wide * height > 2 * thin * long:
+                share = below / (below - above) if below * above < 0.0 else 0.5
+                x = segment[BELOW] + share * (segment[ABOVE] - segment[BELOW])
+                x += (below + share * (above - below)) / 2
+                return first, x, bottom + share * height
+        bottom = top
+    return -1, 0.0, 0.0
 
 
-@njit(WORD(FLOAT_ROWS, INTS, INTS), **COMPILED)
-def crossing_segment(corners, starts, layers):  # type: ignore[no-untyped-def]
-    """The first corner of a segment that crosses another of the same layer, or −1.
+@njit(PLACE(FLOAT_ROWS, INTS, INTS), **COMPILED)
+def winding_fault(corners, starts, layers):  # type: ignore[no-untyped-def]
+    """The first layer whose rings wind around some area neither 0 times nor once, and where: x, y;
+    or −1 and no place.
 
     Closed rings: layer l has rings layers[l] … layers[l + 1], and ring k is corners (r, 2) from
     starts[k] to starts[k + 1].
     """
     for layer in range(len(layers) - 1):
-        rings = starts[layers[layer] : layers[layer + 1] + 1]
-        first, count = rings[0], rings[-1] - rings[0]
+        first, count = starts[layers[layer]], starts[layers[layer + 1]] - starts[layers[layer]]
         if layer > 0 and count == first - starts[layers[layer - 1]]:
             same = True
             for corner in range(first, first + count):
@@ -114,7 +121,7 @@ def crossing_segment(corners, starts, layers):  # type: ignore[no-untyped-def]
                     same = same and corners[corner, k] == corners[corner - count, k]
             if same:  # as on the layer before
                 continue
-        found = _crossing_in(corners[first : first + count], rings - first)
+        found, x, y = _fault_in(corners, starts, layers[layer], layers[layer + 1])
         if found >= 0:
-            return first + found
-    return -1
+            return layer, x, y
+    return -1, 0.0, 0.0

@@ -4,8 +4,8 @@ Rings are walked through the diagram instead of clipping cells: along a segment 
 functions of the sites are linear (but for a common square), so that the cells it passes are the
 lower envelope of lines. A closed walk enters every cell as often as it leaves it; hence the
 winding number of each diagram vertex, summed along the diagram's edges, is the same by every path,
-whatever the rounding. Where a ring runs exactly through a vertex or along an edge, the walk passes
-on one side of it, and the graph is that of a section moved by less than the rounding.
+whatever the rounding. Rings are walked a `HAIR` to their left, so that what they only touch lies
+outside: vertices and edges exactly on a contour, and the cells behind them.
 
 Names: a *cell* is a point of the triangulation; a *crossing* is where a ring goes from cell to
 cell, over the diagram's edge that is dual to one of the triangulation.
@@ -23,12 +23,15 @@ EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's
 edge from this triangle to the one across; the segment that crosses; the cell that it enters."""
 
+HAIR = 2.0**-20
+"""Grid steps: far above the rounding of a walk, 1e-8 steps, and too little to be seen elsewhere."""
+
 LAPS = 4
 """A walk whose first point lies on an edge may end in the cell beside the one it began in; it then
 goes round once more from there."""
 
 FLOAT = types.float64
-FLOATS, FLOAT_ROWS, SIDES = types.float64[::1], types.float64[:, ::1], types.int8[::1]
+FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
 INTS, INT_ROWS = types.int64[::1], types.int64[:, ::1]
 ROW, ROWS = types.int32[::1], types.int32[:, ::1]
 WALKED = types.Tuple((WORD, ROWS, FLOATS))
@@ -177,9 +180,23 @@ def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: 
     return count, crossings, at
 
 
-@njit(types.void(INTS, INTS), **INTERNAL)
-def link_corners(starts, after):  # type: ignore[no-untyped-def]
-    """Fill `after` (r,): which corner follows each on its ring."""
+@njit(types.void(FLOAT_ROWS, INTS, *[FLOAT] * 3, INTS, FLOAT_ROWS), **INTERNAL)
+def link_corners(corners, starts, left, low, pitch, after, stepped):  # type: ignore[no-untyped-def]
+    """Fill `after` (r,), which corner follows each on its ring, and `stepped` (r, 2), where the
+    rings' corners (r, 2), mm, lie in grid steps, by a `HAIR` for each side that they end.
+
+    (`left`, `low`), mm, and `pitch` say where the grid lies.
+    """
     for ring in range(len(starts) - 1):
         for corner in range(starts[ring], starts[ring + 1]):
             after[corner] = corner + 1 if corner + 1 < starts[ring + 1] else starts[ring]
+            stepped[corner, 0] = (corners[corner, 0] - left) / pitch
+            stepped[corner, 1] = (corners[corner, 1] - low) / pitch
+    for corner in range(len(corners)):
+        end = after[corner]
+        x, y = corners[end, 0] - corners[corner, 0], corners[end, 1] - corners[corner, 1]
+        length = np.sqrt(x * x + y * y)
+        if length > 0.0:
+            x, y = HAIR * x / length, HAIR * y / length
+            stepped[corner, 0], stepped[corner, 1] = stepped[corner, 0] - y, stepped[corner, 1] + x
+            stepped[end, 0], stepped[end, 1] = stepped[end, 0] - y, stepped[end, 1] + x

@@ -2,7 +2,7 @@
 
 They are a potential on the triangles, whose differences across edges the crossings give: where
 those of some triangles fit those of all their neighbours, and the outermost is 0, they are the
-only right ones.
+only right ones. Inside they are 1, but where a part is thinner than rounding.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from numba import njit, types
 
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
-from v3dcad.geometry.inside import CROSSED, CUT
-from v3dcad.geometry.walk import EDGE, ROWS, SIDES, WINDING
+from v3dcad.geometry.inside import CROSSED, CUT, NONE
+from v3dcad.geometry.walk import EDGE, ROWS, WINDING
 
-UNKNOWN = -2
+UNKNOWN = -(1 << 30)
 
 
-@njit(types.boolean(MESH, SIDES, types.int8[:, ::1], ROW, WORD), **INTERNAL)
+@njit(types.boolean(MESH, ROW, ROWS, ROW, WORD), **INTERNAL)
 def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
     """Find the winding numbers of the listed triangles, which are `UNKNOWN`, from those around.
 
-    Returns whether they fit everywhere, and are 0 or 1.
+    Returns whether they fit everywhere.
     """
     triangles, stack = mesh.triangles, mesh.stack
     fits, outermost = True, mesh.triangle_of[0]
@@ -32,12 +32,8 @@ def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
         while waiting > 0:
             waiting -= 1
             triangle = stack[waiting]
-            if begun:
-                # Settled: once more around, to settle those across and to see whether it fits.
-                winding = inside[triangle]
-                fits = fits and 0 <= winding <= 1
-            else:
-                winding = UNKNOWN
+            # Settled: once more around, to settle those across and to see whether it fits.
+            winding = inside[triangle] if begun else UNKNOWN
             for i in range(3):
                 other = triangles[triangle, ACROSS + i]
                 if other == NOTHING:
@@ -48,13 +44,11 @@ def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
                     step = -gain[3 * other + edge_to(triangles, other, triangle), 0]
                 if inside[other] == UNKNOWN:
                     if begun:
-                        reached = winding + step
-                        inside[other] = reached if -2 < reached < 3 else -1
+                        inside[other] = winding + step
                         stack[waiting] = other
                         waiting += 1
                 elif not begun:
-                    reached = inside[other] - step
-                    inside[triangle] = reached if -2 < reached < 3 else -1
+                    inside[triangle] = inside[other] - step
                     stack[0], waiting, begun = triangle, 1, True
                     break
                 else:
@@ -74,7 +68,7 @@ def chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignore
     keys, past = np.empty(cut.state[CROSSED] + count, np.int32), cut.state[CROSSED]
     for place in range(past):
         keys[place] = crossed[place]
-        first_on[keys[place]] = -1
+        first_on[keys[place]] = NONE
     some = 0
     for crossing in range(count):
         key = crossings[crossing, EDGE]

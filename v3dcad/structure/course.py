@@ -12,7 +12,7 @@ from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.inside import cut_with_room, empty_cut
 from v3dcad.geometry.kinetics import end_all, motion_of, with_room
-from v3dcad.geometry.polygon import crossing_segment
+from v3dcad.geometry.polygon import winding_fault
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
@@ -22,7 +22,6 @@ from v3dcad.structure.layers import (
     LAYERS,
     NEEDS_ROOM,
     OPEN_WALK,
-    OVERLAPPING,
     ROOM,
     STATUS,
     Rings,
@@ -31,12 +30,6 @@ from v3dcad.structure.layers import (
 )
 from v3dcad.structure.timed import SiteStates, Timed
 from v3dcad.structure.walls import Tracks
-
-FAULTS = {
-    OVERLAPPING: "its rings overlap or run the wrong way round: outer ones must run "
-    "counter-clockwise, holes clockwise",
-    OPEN_WALK: "a ring of its section does not close",
-}
 
 
 class Course:
@@ -93,7 +86,7 @@ class Course:
         for a section that cannot be filled.
         """
         rings = rings_of(sections)
-        _refuse_crossings(rings, index)
+        _refuse_faults(rings, index)
         done = 0
         while done < len(sections):
             made = self._run_once(_rest(rings, done), index + done, full_cell)
@@ -102,8 +95,8 @@ class Course:
                 self._make_room(int(made.outcome[ROOM]))
             yield from self._layers(made, sections[done:], index + done)
             done += int(made.outcome[LAYERS])
-            if fault in FAULTS:
-                raise GeometryError(FAULTS[fault], layer=index + done)
+            if fault == OPEN_WALK:
+                raise GeometryError("a ring of its section does not close", layer=index + done)
 
     def tracks(self) -> Tracks:
         """How all vertices have moved since the beginning; to be asked for once, at the end."""
@@ -224,13 +217,12 @@ def _rest(rings: Rings, layers: int) -> Rings:
     return rings._replace(layers=rings.layers[layers:])
 
 
-def _refuse_crossings(rings: Rings, index: int) -> None:
-    """Raise `GeometryError` for the first layer whose rings cross."""
-    segment = crossing_segment(rings.corners, rings.starts, rings.layers)
-    if segment >= 0:
-        x, y = rings.corners[segment]
-        layer = int(np.searchsorted(rings.starts[rings.layers], segment, side="right")) - 1
+def _refuse_faults(rings: Rings, index: int) -> None:
+    """Raise `GeometryError` for the first layer whose rings do not bound what is inside."""
+    layer, x, y = winding_fault(rings.corners, rings.starts, rings.layers)
+    if layer >= 0:
         raise GeometryError(
-            f"its rings cross themselves or each other near ({x:g}, {y:g}) mm: repair the part",
+            f"its rings cross, overlap or run the wrong way round near ({x:g}, {y:g}) mm: repair "
+            "the part, or let outer rings run counter-clockwise and holes clockwise",
             layer=index + layer,
         )

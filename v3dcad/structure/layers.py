@@ -17,7 +17,7 @@ from v3dcad.geometry.cut import count_cells, renew_cut
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.flips import MESH, POINTS
 from v3dcad.geometry.graph import place_vertices, write_edges
-from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.inside import CROSSED, CUT, MOST, VERTICES, WHOLE
 from v3dcad.geometry.kinetics import advance
 from v3dcad.geometry.tree import TREE, renew_tree, write_tree
 from v3dcad.geometry.walk import (
@@ -36,9 +36,9 @@ from v3dcad.geometry.walk import (
 from v3dcad.structure.births import SQUARES, give_births
 from v3dcad.structure.holes import SHORTLIST
 
-DONE, NEEDS_ROOM, OVERLAPPING, OPEN_WALK = range(4)
-"""How a run ended: after its last layer, for want of room, or at a layer whose rings overlap (run
-the wrong way round) or could not be walked."""
+DONE, NEEDS_ROOM, OPEN_WALK = range(3)
+"""How a run ended: after its last layer, for want of room, or at a layer whose rings could not be
+walked."""
 
 STATUS, LAYERS, ROOM = range(3)
 """What a run's `outcome` holds: how it ended, how many layers it made, and for how many points
@@ -196,16 +196,9 @@ def run(  # type: ignore[no-untyped-def]
         first = rings.starts[rings_from]
         corners = rings.corners[first : rings.starts[rings_to]]
         starts = rings.starts[rings_from : rings_to + 1] - first
-        after = np.empty(len(corners), np.int64)
-        link_corners(starts, after)
+        after, stepped = np.empty(len(corners), np.int64), np.empty((len(corners), 2))
+        link_corners(corners, starts, left, low, pitch, after, stepped)
         areas[layer] = signed_area(corners, starts)
-        if areas[layer] < 0:
-            outcome[STATUS] = OVERLAPPING
-            break
-        stepped = np.empty((len(corners), 2))
-        for corner in range(len(corners)):
-            stepped[corner, 0] = (corners[corner, 0] - left) / pitch
-            stepped[corner, 1] = (corners[corner, 1] - low) / pitch
         begun_in = np.empty(len(starts) - 1, np.int32)
         fresh, born, walked = False, 0, True
         while True:
@@ -227,9 +220,7 @@ def run(  # type: ignore[no-untyped-def]
                 fresh = True
                 if len(next_on) < len(at):
                     next_on = np.empty(len(at), np.int32)
-                if not renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):
-                    outcome[STATUS] = OVERLAPPING
-                    break
+                renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked)
                 token += 1
                 live_cells = count_cells(cut, begun_in, crossings, count, seen, token)
             wanted = int(np.ceil(areas[layer] / full_cell - 1e-9)) - live_cells
@@ -255,7 +246,8 @@ def run(  # type: ignore[no-untyped-def]
         if fresh:
             graph += 1
             row = edge_rows[graph]
-            room = cut.state[WHOLE] + cut.state[CROSSED] + len(corners) + 2 * count
+            room = 2 * cut.state[MOST] * cut.state[CROSSED] + len(corners) + 2 * count
+            room += cut.state[WHOLE]
             edges, sites = _with_room(edges, row, room), _with_room(sites, row, room)
             pair_rows[graph], edge_rows[graph + 1] = write_edges(
                 mesh, cut, site_of, stepped, starts, after, begun_in, crossings, at, count,

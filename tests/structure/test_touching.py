@@ -1,0 +1,63 @@
+"""Sections whose rings touch, and walls that lie on a contour."""
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests import oracle
+from tests.regions import region
+from tests.structure.test_fill import laws
+from v3dcad.model import Section
+from v3dcad.settings import FillSettings
+from v3dcad.structure.fill import fill_sections
+
+SQUARE = np.array([[0.0, 0], [5, 0], [5, 5], [0, 5]])
+
+
+def test_a_vertex_where_two_squares_touch():
+    section = Section(0.0, (SQUARE, SQUARE + 5))
+    sites = np.array([[7.0, 4], [6, 3], [4, 7]])
+    laws(fill_sections([section], sites, FillSettings()).layers[0])
+
+
+@st.composite
+def touching(draw):
+    """A region that touches itself in points, and sites of whose diagram much lies on its rings."""
+    random = np.random.default_rng(draw(st.integers(0, 10**6)))
+    rings = region(random, 4)
+    sites = random.integers(0, 17, (draw(st.integers(1, 30)), 2)) / 4
+    if draw(st.booleans()):
+        rings = [np.repeat(ring, random.integers(1, 3, len(ring)), axis=0) for ring in rings]
+    angle = draw(st.sampled_from([0.0, 0.3]))
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return [ring @ turn for ring in rings], np.unique(sites, axis=0) @ turn
+
+
+@given(touching(), st.sampled_from([0.0, 0.01, 0.3]))
+def test_sections_that_touch_themselves_obey_the_laws(given_section, offset):
+    rings, sites = given_section
+    sections = [Section(0.5 * k, tuple(rings)) for k in range(8)]
+    settings = FillSettings(max_overhang=90.0, offset=offset, layer_height=0.5)
+    for layer in list(fill_sections(sections, sites, settings).layers)[::3]:
+        laws(layer)
+
+
+@given(st.integers(0, 10**6), st.sampled_from([0.0, 0.01]))
+def test_cells_behind_a_contour_are_not_counted(seed, offset):
+    """Nor do they have edges. The sites lie on the engine's grid: many walls are on a contour."""
+    random = np.random.default_rng(seed)
+    rings = region(random, 4, apart=True)
+    sites = random.permutation(np.argwhere(np.ones((5, 5))) - 0.5)[: random.integers(1, 25)]
+    sites = np.vstack([sites, [[-2, -2], [6, 6]]])
+    sections = [Section(0.5 * k, tuple(rings)) for k in range(4)]
+    settings = FillSettings(max_overhang=90.0, offset=offset, layer_height=0.5, insertion=False)
+    for layer in fill_sections(sections, sites, settings).layers:
+        state, area = layer.state, oracle.area_of(layer.section)
+        np.testing.assert_array_equal(state.sites, sites)
+        parts = shapely.area(oracle.cells(state.sites, state.weights, layer.section))
+        cells = np.nonzero(parts > 1e-9)[0]
+        np.testing.assert_array_equal(layer.diagram.sites(), cells)
+        assert layer.area_per_cell == pytest.approx(area.area / len(cells))
+        assert oracle.layer(state.sites, state.weights, layer.section)[3] == len(cells)
