@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import LAST, MOTION, NOW
+from v3dcad.geometry.agenda import LAST, MOST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLE_ROWS
 from v3dcad.geometry.grid import HEAVIEST, STEPS
@@ -235,6 +235,8 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
             shortlist.listed[triangle] = BARREN  # unless it changes, as it does with a newborn
             q = mesh.count[POINTS]
             x, y, grows = newborn_at(points, growth, a, b, c)
+            if grows > motion.state[MOST]:
+                continue
             if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
                 continue
             if not keeps_distance(mesh, growth, squares, before, x, y, grows, reach):
@@ -247,8 +249,9 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
                 shortlist.listed[triangle] = LISTED  # for the next layer
                 continue
             growth[q], motion.base[q] = grows, points[q, 2] - grows * time
-            if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:
-                continue
+            # The epoch ends before it leaves the safe range.
+            until = time + (HEAVIEST - points[q, 2]) // grows
+            motion.state[LAST] = min(motion.state[LAST], until)
             motion.born[q] = time
             mesh.count[POINTS] += 1
             add_point(mesh, motion, triangle, q)

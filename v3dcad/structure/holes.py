@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import ALWAYS, MOTION, NOW
+from v3dcad.geometry.agenda import ALWAYS, LEAST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, WORD
 from v3dcad.geometry.flips import ROW
 from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
@@ -72,7 +72,8 @@ def has_parents(motion, corners, vertex, gain):  # type: ignore[no-untyped-def]
     for k in range(1, 4):
         point = corners[vertex, k]
         born = motion.born[point]
-        if born != ALWAYS and motion.growth[point] * (motion.state[NOW] - born) < gain:
+        growth = motion.growth[point] + motion.state[LEAST]
+        if born != ALWAYS and growth * (motion.state[NOW] - born) < gain:
             return False
     return True
 
