@@ -78,7 +78,7 @@ class Course:
         first = int(self.times[0])
         weights = sites.base + sites.growth * first
         base, growth = epoch.counts(sites.base, sites.growth, sites.born)
-        if np.abs(base + growth * (first - epoch.start)).max() > HEAVIEST:
+        if np.abs(base + growth * (first - epoch.start)).max(initial=0) > HEAVIEST:
             epoch = Epoch(first, int(weights.max()))
         self.epochs: list[Epoch] = []
         self._stand(epoch, first, epoch.start / self._rate if epoch.start else 0.0)
