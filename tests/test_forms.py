@@ -285,6 +285,16 @@ def test_the_thesis_has_no_walls_in_space() -> None:
     assert len(solids_of(structure.beads(0.8, "rectangle"))) > 10
 
 
+@pytest.mark.parametrize(("width", "height"), [(0.01, 0.05), (0.02, 0.4), (2.0, 40.0)])
+def test_walls_of_tiny_slender_parts_go_on_above_the_top(width: float, height: float) -> None:
+    """A whole mm more is 20 times the height of some, and once was out of the safe range."""
+    slender = v3dcad.fill(Box(width, width, height), sites=12, layer_height=height / 50)
+    facets = slender.facets()
+    above = min(1.0, height)
+    assert facets.points[:, 2].max() == pytest.approx(height + above)
+    assert len(facets) >= len(slender.walls.tilts) > 20
+
+
 def test_mistakes_are_named(structure: Structure, tmp_path: Path) -> None:
     for wrong in (
         lambda: structure.struts(0),

@@ -15,7 +15,7 @@ import numpy as np
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
-from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe, Section
+from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
 from v3dcad.report import Print, report
@@ -100,19 +100,12 @@ class Structure(Forms):
 
     def facets(self) -> Facets:
         """The walls between cells in space, bed coordinates, from the base to above the top."""
-        from v3dcad.geometry.facets import welded_facets
-
         if not isinstance(self.filling, Filling):
             return self.filling.walls  # which says why there are none
-        # An empty section above the top lets the walls go on from the last layer to there.
-        above = Section(float(self.part.bounds[1, 2]) + 1.0, ())
-        filling = fill_sections(
-            [*self.filling.sections, above], self.sites, self.settings, self.part.bounds[:, :2]
-        )
-        assert isinstance(filling, Filling)
-        walls, everyone = filling.walls, filling.history.sites.by_site()
-        places = filling.grid.millimetres(everyone.places)
-        return welded_facets(walls.sites, walls.points, walls.starts, places)
+        # A whole mm above the top of a tiny part its weights would no longer fit the grid.
+        bounds = self.part.bounds
+        margin = min(1.0, float(np.ptp(bounds, axis=0).max()))
+        return self.filling.facets(float(bounds[1, 2]) + margin)
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.

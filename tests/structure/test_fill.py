@@ -298,7 +298,7 @@ def test_settings_that_cannot_be():
             fill_sections(
                 stack((SQUARE,)),
                 np.array([[1.0, 1], [2, 2]]),
-                FillSettings(offset=1e4, max_overhang=90.0),
+                FillSettings(offset=1e6, max_overhang=90.0),
             ).layers
         )
 

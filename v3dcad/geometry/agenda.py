@@ -25,9 +25,10 @@ ROUNDING = 4e-15
 """Bound of the relative error of the floating power test (some 20 operations)."""
 
 
-DUE, STRUTS, TOUCHED, NOW, LAST = range(5)
+DUE, STRUTS, TOUCHED, NOW, LAST, LEAST, MOST = range(7)
 """What `Motion.state` holds: heap and log length, how many triangles have been touched, the whole
-time that the weights belong to, and the last time that will be asked for."""
+time that the weights belong to, the last time that can be asked for, what growth counts as 0
+(`epochs.py`), and the most that a point may have."""
 
 
 EVERYTHING = -1
@@ -60,7 +61,7 @@ class Motion(NamedTuple):
     moment: Any
     """(1,) float64: the latest event"""
     state: Any
-    """(5,) int64"""
+    """(7,) int64"""
 
 
 MOTION = TupleType(

@@ -1,6 +1,7 @@
 """Exact predicates on integer points: orientation, and the power test with no ties.
 
-Coordinates stay below 2²⁸ and weights below 2⁵³ (see `grid.py`), so that orientation fits 64 bits.
+Coordinates stay below 2²⁸ and weights below 2⁵³ (see `grid.py` and `epochs.py`), so that
+orientation fits 64 bits.
 The power test, a 3 × 3 determinant, is summed in 128 bits. Where it is zero, four weighted points
 are orthogonal to one circle, and weights perturbed by infinitesimals decide: point 0 by the
 largest, point 1 by an infinitely smaller one, and so on (Edelsbrunner and Mücke, "Simulation of

@@ -23,7 +23,10 @@ AREAS = 16
 """How many times the frame's area the largest |weight| is: up to there cells of the four
 sentinels (`triangulation.py`) stay out of the frame, and"""
 HEAVIEST = AREAS * STEPS**2
-"""in steps², 2⁵², weights are exact as floats."""
+"""in steps², 2⁵², weights are exact as floats. Those of sites that grow beyond are counted from
+others' (`epochs.py`)."""
+UTMOST = 1 << 61
+"""In steps², how much a site's weight may grow in all: as far as 64 bits hold it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,6 +58,11 @@ class Grid:
         """The largest |weight| of the safe range, mm²."""
         return AREAS * self.size**2
 
+    @property
+    def utmost(self) -> float:
+        """How much a site's weight may grow in all, mm²."""
+        return UTMOST * self.pitch**2
+
     def snap(self, points: Floats) -> Ints:
         """The grid points (n, 2) nearest to points (n, 2), mm.
 
@@ -80,12 +88,15 @@ class Grid:
         """Weights (n,), mm², as whole steps²; `GeometryError` beyond the safe range."""
         weights = np.asarray(weights, np.float64)
         _refuse(~np.isfinite(weights), "its weight is not a finite number")
-        scaled = weights / self.pitch**2
         _refuse(
-            np.abs(scaled) > HEAVIEST,
+            np.abs(weights / self.pitch**2) > HEAVIEST,
             f"its weight is beyond the safe range of ±{self.heaviest:g} mm²",
         )
-        return np.rint(scaled).astype(np.int64)
+        return self.steps(weights)
+
+    def steps(self, weights: Floats) -> Ints:
+        """Weights (n,), mm², up to `utmost` as whole steps²: exact in the safe range."""
+        return np.rint(weights / self.pitch**2).astype(np.int64)
 
 
 def _refuse(faulty: Any, message: str) -> None:

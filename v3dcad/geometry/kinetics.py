@@ -50,6 +50,7 @@ from v3dcad.geometry.flips import (
     plan,
     split,
 )
+from v3dcad.geometry.grid import HEAVIEST
 from v3dcad.geometry.triangulation import build
 from v3dcad.model import Ints
 
@@ -235,7 +236,7 @@ def add_point(mesh, motion, triangle, point):  # type: ignore[no-untyped-def]
 def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
     """The motion of a triangulation whose points gain `growth` (p,) a unit of time.
 
-    `now` is the time that it stands at, `last` the latest that will be asked for.
+    `now` is the time that it stands at, `last` the latest that can be asked for.
     """
     points, triangles = len(mesh.points), len(mesh.triangles)
     motion = Motion(
@@ -250,7 +251,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
         spans=np.empty((4 * points, 2)),
         touched=np.empty(triangles, np.int32),
         moment=np.array([float(now)]),
-        state=np.array([0, 0, 0, now, last]),
+        state=np.array([0, 0, 0, now, last, 0, HEAVIEST]),
     )
     certify_all(mesh, motion)
     return motion

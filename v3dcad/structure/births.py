@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import LAST, MOTION, NOW
+from v3dcad.geometry.agenda import LAST, MOST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
 from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLE_ROWS
 from v3dcad.geometry.grid import HEAVIEST, STEPS
@@ -97,12 +97,13 @@ def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
 
 
 @njit(
-    types.boolean(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
+    WORD(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
     **INTERNAL,
 )
-def keeps_distance(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
-    """Whether a site at (x, y) is apart from every listed point that is not hidden, in another
-    place than those that are, and apart from all points from `before` on.
+def too_near(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
+    """A point that a site at (x, y) would be too near to, or `NOTHING`: it must be apart from every
+    listed point that is not hidden, in another place than those that are, and apart from all
+    points from `before` on.
     """
     points, live, first = mesh.points, mesh.triangle_of, squares.first
     side, farthest = int(np.sqrt(len(first))), (squares.state[FASTEST] + 1) * reach
@@ -113,16 +114,16 @@ def keeps_distance(mesh, growth, squares, before, x, y, grows, reach):  # type: 
             point = first[row * side + column]
             while point >= 0:
                 if points[point, 0] == x and points[point, 1] == y:
-                    return False
+                    return point
                 if live[point] != NOTHING and not is_apart(
                     points, growth, point, x, y, grows, reach
                 ):
-                    return False
+                    return point
                 point = squares.following[point]
     for point in range(before, mesh.count[POINTS]):
         if not is_apart(points, growth, point, x, y, grows, reach):
-            return False
-    return True
+            return point
+    return NOTHING
 
 
 @njit(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
@@ -211,16 +212,21 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
     parents = np.empty((wanted, 3), np.int32)
     _list_points(mesh, growth, squares)
     for attempt in range(3):  # with the old shortlist, a new one, and all holes
-        if attempt == 0 and not look_again(motion, cut, shortlist):
+        if attempt == 0 and not look_again(mesh, motion, cut, shortlist):
             continue
         if attempt > 0:
-            list_holes(motion, cut, shortlist, SHARE if attempt == 1 else 0.0, gain)
+            list_holes(mesh, motion, cut, shortlist, SHARE if attempt == 1 else 0.0, gain)
         heap, places, length = np.empty(state[LENGTH]), np.empty(state[LENGTH], np.int32), 0
         for place in range(state[LENGTH]):
-            vertex = vertex_of[shortlist.holes[place]]
+            triangle = shortlist.holes[place]
+            vertex = vertex_of[triangle]
             size = size_at(cut.holes, vertex, now)
-            if size > shortlist.bar[0] and has_parents(motion, corners, vertex, gain):
-                heap[length], places[length] = size, shortlist.holes[place]
+            if (
+                size > shortlist.bar[0]
+                and shortlist.listed[triangle] == LISTED
+                and has_parents(motion, corners, vertex, gain)
+            ):
+                heap[length], places[length] = size, triangle
                 length += 1
         for at in range(length // 2 - 1, -1, -1):
             _sink(heap, places, at, length)
@@ -235,9 +241,13 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
             shortlist.listed[triangle] = BARREN  # unless it changes, as it does with a newborn
             q = mesh.count[POINTS]
             x, y, grows = newborn_at(points, growth, a, b, c)
+            if grows > motion.state[MOST]:
+                continue
             if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
                 continue
-            if not keeps_distance(mesh, growth, squares, before, x, y, grows, reach):
+            near = too_near(mesh, growth, squares, before, x, y, grows, reach)
+            if near != NOTHING:
+                shortlist.listed[triangle] = near
                 continue
             points[q, 0], points[q, 1] = x, y
             guess = empty_until(points, q, a, b, c)
@@ -247,8 +257,9 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
                 shortlist.listed[triangle] = LISTED  # for the next layer
                 continue
             growth[q], motion.base[q] = grows, points[q, 2] - grows * time
-            if points[q, 2] + grows * (motion.state[LAST] - time) > HEAVIEST:
-                continue
+            # The epoch ends before it leaves the safe range.
+            until = time + (HEAVIEST - points[q, 2]) // grows
+            motion.state[LAST] = min(motion.state[LAST], until)
             motion.born[q] = time
             mesh.count[POINTS] += 1
             add_point(mesh, motion, triangle, q)

@@ -35,7 +35,7 @@ def structure_checksum(layers: Iterable[Layer], grid: Grid) -> Checksum:
         if not np.array_equal(before, places):
             sums["sites"].update(_bytes(np.array([layer.index])) + _bytes(places))
         heights = np.array([layer.z]).astype("<f8").tobytes()
-        sums["weights"].update(heights + _bytes(grid.snap_weights(state.weights)[by_number]))
+        sums["weights"].update(heights + _bytes(grid.steps(state.weights)[by_number]))
         before, pairs = pairs, _sorted(numbers[layer.diagram.neighbours])
         if not np.array_equal(before, pairs):
             sums["topology"].update(_bytes(np.array([layer.index])) + _bytes(pairs))

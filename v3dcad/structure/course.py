@@ -7,11 +7,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.agenda import STRUTS, with_log
+from v3dcad.geometry.agenda import ALWAYS, LAST, LEAST, MOST, STRUTS, with_log
+from v3dcad.geometry.epochs import FIRST, Epoch
 from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
-from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.grid import HEAVIEST, UTMOST, Grid
 from v3dcad.geometry.inside import cut_with_room, empty_cut
-from v3dcad.geometry.kinetics import end_all, motion_of, with_room
+from v3dcad.geometry.kinetics import advance, end_all, motion_of, with_room
 from v3dcad.geometry.polygon import winding_fault
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import triangulation
@@ -29,55 +30,121 @@ from v3dcad.structure.layers import (
     run,
 )
 from v3dcad.structure.timed import SiteStates, Timed
-from v3dcad.structure.walls import Tracks
+from v3dcad.structure.walls import Tracks, joined
 
 
 class Course:
     """The engine at work: where it has got to, and with which sites.
 
-    Time is whole: the weight, in grid steps², that a site of growth 1 has at a height; `rate` is
-    what it gains for each mm.
+    Time is whole: the weight, in grid steps², that a site of growth 1 has at a height. Where
+    weights would leave the safe range a new epoch begins (`epochs.py`).
     """
 
     def __init__(
-        self, grid: Grid, sites: Timed, growth_step: float, heights: Floats, slope: float
+        self,
+        grid: Grid,
+        sites: Timed,
+        growth_step: float,
+        heights: Floats,
+        slope: float,
+        *,
+        epoch: Epoch = FIRST,
+        top: float | None = None,
     ) -> None:
-        """Stand at the first of ascending heights (k,), mm, ready to go to the last.
+        """Stand at the first of ascending heights (k,), mm, ready to go to the last, or on to a
+        `top` where no layer is.
 
-        Births keep walls from shifting more than `slope` mm per mm of height.
+        Births keep walls from shifting more than `slope` mm per mm of height. `epoch` is the one
+        that the first height lies in, unless the sites weigh too much in it by then.
         """
         self.slope = slope
         self.grid = grid
         self.growth_step = growth_step
         self.heights = heights
         self.times = times_of(heights, growth_step, grid)
+        self.top = float(heights[-1]) if top is None else top
         self._curve = sites.site_of
-        self._born_at = sites.born_at
+        self._sites = sites
+        self._newborns: list[Timed] = []
         self._states = SiteStates(grid, growth_step, sites)
-        first, last = int(self.times[0]), int(self.times[-1])
-        self.mesh = triangulation(sites.places, sites.base + sites.growth * first)
-        growth = np.concatenate([np.zeros(SENTINELS, np.int64), sites.growth])
-        self.motion = motion_of(self.mesh, growth, first, last)
+        self._pieces: list[Tracks] = []
+        first = int(self.times[0])
+        weights = sites.base + sites.growth * first
+        base, growth = epoch.counts(sites.base, sites.growth, sites.born)
+        if np.abs(base + growth * (first - epoch.start)).max(initial=0) > HEAVIEST:
+            epoch = Epoch(first, int(weights.max()))
+        self.epochs: list[Epoch] = []
+        self._stand(epoch, first, epoch.start / self._rate if epoch.start else 0.0)
+
+    def _stand(self, epoch: Epoch, time: int, bottom: float) -> None:
+        """Stand at a whole time of an epoch that begins at a height of `bottom` mm."""
+        sites, now = self.sites(), time - epoch.start
+        last = int(times_of(np.array([self.top]), self.growth_step, self.grid)[0]) - epoch.start
+        base, growth = epoch.counts(sites.base, sites.growth, sites.born)
+        self.mesh = triangulation(sites.places, base + growth * now)
+        still = np.zeros(SENTINELS, np.int64)
+        until = max(now, min(last, epoch.last(growth)))
+        self.motion = motion_of(self.mesh, np.concatenate([still, growth]), now, until)
+        self.motion.born[SENTINELS:] = np.maximum(sites.born - epoch.start, ALWAYS)
+        self.motion.state[LEAST] = epoch.growth
+        self.motion.state[MOST] = UTMOST // max(int(self.times[-1]), 1) - epoch.growth
         room, slots = len(self.mesh.points), len(self.mesh.triangles)
         self._cut, self._tree = empty_cut(room, slots), empty_tree(room)
         self._squares, self._shortlist = no_squares(room), no_shortlist(slots)
-        self.motion.born[SENTINELS:] = sites.born
+        self._bottom = bottom
+        self.epochs.append(epoch)
 
-    def sites(self, start: int = 0) -> Timed:
-        """All sites up to now from row `start` on, newborns among them."""
-        count, old = int(self.mesh.count[POINTS]) - SENTINELS, len(self._curve)
-        rows = slice(SENTINELS + start, SENTINELS + count)
-        born = self.motion.born[rows].copy()
-        newborn = max(old - start, 0)
-        layers = np.searchsorted(self.times, born[newborn:])
-        return Timed(
-            self.mesh.points[rows, :2].copy(),
-            self.motion.base[rows].copy(),
-            self.motion.growth[rows].copy(),
-            born,
-            np.concatenate([self._born_at[start:], self.heights[layers]]),
-            np.concatenate([self._curve[start:], np.arange(max(start, old), count)]),
-        )
+    @property
+    def _rate(self) -> float:
+        """Units of time per mm of height."""
+        return self.growth_step / self.grid.pitch**2
+
+    def sites(self) -> Timed:
+        """All sites up to now, newborns among them."""
+        if self._newborns:
+            self._sites, self._newborns = self._sites.and_newborn(self._newborns), []
+        return self._sites
+
+    def _enter_newborns(self) -> None:
+        """Enter the sites born since this was last asked for."""
+        count, epoch = int(self.mesh.count[POINTS]) - SENTINELS, self.epochs[-1]
+        if count == len(self._states):
+            return
+        number = np.arange(len(self._states), count)
+        rows = SENTINELS + number
+        born = self.motion.born[rows] + epoch.start
+        growth = self.motion.growth[rows] + epoch.growth
+        base = self.motion.base[rows] + epoch.weight - growth * epoch.start
+        heights = self.heights[np.searchsorted(self.times, born)]
+        newborns = Timed(self.mesh.points[rows, :2], base, growth, born, heights, number)
+        self._states.add(newborns)
+        self._newborns.append(newborns)
+
+    def _reach(self, time: int) -> None:
+        """Begin new epochs until the present one holds a time."""
+        while (epoch := self.epochs[-1]).start + int(self.motion.state[LAST]) < time:
+            self._end_epoch()
+            now = int(self.motion.state[LAST])
+            rows = slice(SENTINELS, int(self.mesh.count[POINTS]))
+            lives = self.mesh.triangle_of[rows] != NOTHING
+            following = Epoch(
+                epoch.start + now,
+                epoch.weight + epoch.growth * now + int(self.mesh.points[rows, 2].max()),
+                epoch.growth + int(self.motion.growth[rows][lives].min()),
+            )
+            self._stand(following, following.start, self._bottom + now / self._rate)
+
+    def _end_epoch(self) -> None:
+        """Go to where the epoch ends, and note how the vertices have moved in it."""
+        while not advance(self.mesh, self.motion, self.motion.state[LAST]):
+            self.motion = with_log(self.motion, len(self.motion.spans))
+        triangles = int(self.mesh.count[TRIANGLES])
+        if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
+            self.motion = with_log(self.motion, triangles)
+        end_all(self.mesh, self.motion)
+        count = int(self.motion.state[STRUTS])
+        corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
+        self._pieces.append(self._tracks(corners, times, self._bottom + times / self._rate))
 
     def run(self, sections: Sequence[Section], index: int, full_cell: float) -> Iterator[Layer]:
         """The layers of sections whose first has an index among the heights.
@@ -89,7 +156,9 @@ class Course:
         _refuse_faults(rings, index)
         done = 0
         while done < len(sections):
+            self._reach(int(self.times[index + done]))
             made = self._run_once(_rest(rings, done), index + done, full_cell)
+            self._enter_newborns()
             fault = int(made.outcome[STATUS])
             if fault == NEEDS_ROOM:
                 self._make_room(int(made.outcome[ROOM]))
@@ -100,20 +169,21 @@ class Course:
 
     def tracks(self) -> Tracks:
         """How all vertices have moved since the beginning; to be asked for once, at the end."""
-        triangles = int(self.mesh.count[TRIANGLES])
-        rate = self.growth_step / self.grid.pitch**2
-        if self.times[0] == self.times[-1]:  # nothing has moved
-            corners = self.mesh.triangles[:triangles, :3]
+        last = int(times_of(np.array([self.top]), self.growth_step, self.grid)[0])
+        if self.times[0] == last:  # nothing has moved
+            corners = self.mesh.triangles[: self.mesh.count[TRIANGLES], :3]
             corners = corners[corners[:, 0] != NOTHING].astype(np.int64)
-            spans = np.broadcast_to(self.heights[[0, -1]], (len(corners), 2))
-            times = np.full(spans.shape, float(self.times[0]))
-        else:
-            if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
-                self.motion = with_log(self.motion, triangles)
-            end_all(self.mesh, self.motion)
-            count = int(self.motion.state[STRUTS])
-            corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
-            spans = times / rate
+            spans = np.tile([self.heights[0], self.top], (len(corners), 1))
+            times = np.full(spans.shape, float(last - self.epochs[-1].start))
+            return self._tracks(corners, times, spans)
+        self._reach(last)
+        self._end_epoch()
+        return joined(self._pieces)
+
+    def _tracks(self, corners: Ints, times: Floats, spans: Floats) -> Tracks:
+        """The tracks of triangles (t, 3) of points from time to time (t, 2) of the epoch, which
+        are heights (t, 2), mm.
+        """
         site_of = np.arange(len(self.mesh.points)) - SENTINELS
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
         ends = np.stack([self._vertices(corners, times[:, k]) for k in range(2)], axis=1)
@@ -151,7 +221,7 @@ class Course:
             self._tree, self._squares = tree_with_room(self._tree, room), no_squares(room)
             self._shortlist = no_shortlist(slots)
         left, low = self.grid.origin
-        times = self.times[index : index + len(rings.layers) - 1]
+        times = self.times[index : index + len(rings.layers) - 1] - self.epochs[-1].start
         reach = self.growth_step / (2 * self.slope) / self.grid.pitch
         made: Run = run(
             self.mesh,
@@ -173,7 +243,6 @@ class Course:
 
     def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
         """The layers of a run, as views of its arrays."""
-        self._states.add(self.sites(len(self._states)))
         for array in (made.vertices, made.edges, made.sites, made.tree):
             array.flags.writeable = False  # so that the values need no views of their own
         edge_rows, pair_rows, tree_rows = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,7 +13,9 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.agenda import ALWAYS
-from v3dcad.geometry.grid import HEAVIEST, Grid, curve_order
+from v3dcad.geometry.epochs import FIRST, Epoch
+from v3dcad.geometry.facets import Facets, welded_facets
+from v3dcad.geometry.grid import UTMOST, Grid, curve_order
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
@@ -131,6 +134,8 @@ class History(Value):
     sites: Timed
     tracks: Tracks
     """how the vertices moved"""
+    epochs: tuple[Epoch, ...]
+    """what weights were counted from, one after the other (`epochs.py`)"""
 
 
 class Layers(Sequence[Layer]):
@@ -176,12 +181,12 @@ class Filling:
         grows = growing(len(places), spanning_tree(places, pairs))
         self._heights = np.array([section.z for section in sections], np.float64)
         layers = self._heights.max(initial=0.0) / settings.layer_height
-        safe = grid.heaviest / layers if layers else math.inf
+        safe = grid.utmost / layers if layers else math.inf
         offset = settled_offset(settings, grid.millimetres(places), grows, safe)
         if offset > safe:
             raise GeometryError(
                 f"--offset {offset:g} takes its weight beyond the safe range of "
-                f"±{grid.heaviest:g} mm²: give at most {rounded_down(safe)}",
+                f"±{grid.utmost:g} mm²: give at most {rounded_down(safe)}",
                 site=int(order[np.argmax(grows)]),
             )
         self.settings = replace(settings, offset=offset)
@@ -218,23 +223,33 @@ class Filling:
         """What happened on the way up; goes all the way where nobody has yet."""
         if not self.sections:
             nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
-            return History(self._start, nothing)
+            return History(self._start, nothing, (FIRST,))
         if self._passed is None:
             for _ in self.climb():
                 pass
         assert self._passed is not None
         course, self._passed = self._passed, None
-        return History(course.sites(), course.tracks())
+        return History(course.sites(), course.tracks(), tuple(course.epochs))
 
     @property
     def walls(self) -> Walls:
         """The facets between cells, from the first to the last layer, cut by the base rectangle."""
-        sites = self.history.sites.by_site()
-        places, growth = (
-            self.grid.millimetres(sites.places),
-            self.growth_step * sites.growth.astype(np.float64),
-        )
-        return walls(self.history.tracks, places, growth, self.box[[0, 2]])
+        return self._walls(self.history.tracks, self.history.sites.by_site())
+
+    def _walls(self, tracks: Tracks, sites: Timed) -> Walls:
+        places = self.grid.millimetres(sites.places)
+        growth = self.growth_step * sites.growth.astype(np.float64)
+        return walls(tracks, places, growth, self.box[[0, 2]])
+
+    def facets(self, top: float) -> Facets:
+        """The walls with shared corners, from the first layer to a height above the last, mm."""
+        course = self._course(self._start, self._heights, top=top)
+        for _ in self._climb(course):
+            pass
+        sites = course.sites().by_site()
+        found = self._walls(course.tracks(), sites)
+        places = self.grid.millimetres(sites.places)
+        return welded_facets(found.sites, found.points, found.starts, places)
 
     @property
     def strut_axes(self) -> StrutAxes:
@@ -263,12 +278,14 @@ class Filling:
 
     def slice(self, section: Section, index: int) -> Layer:
         """The layer with a given index of any section at any height, computed by itself."""
-        sites = self.history.sites
+        sites, epochs = self.history.sites, self.history.epochs
         heights = np.array([section.z])
         self._refuse_heavy(sites, section.z)
         time = times_of(heights, self.growth_step, self.grid)[0]
         alive = int(np.count_nonzero(sites.born <= time))
-        course = self._course(sites.rows(slice(alive)), heights)
+        begun = bisect_left([epoch.start for epoch in epochs], time)
+        epoch = epochs[max(begun - 1, 0)]
+        course = self._course(sites.rows(slice(alive)), heights, epoch=epoch)
         layer = next(course.run([section], 0, np.inf))
         return replace(layer, index=index)
 
@@ -278,24 +295,29 @@ class Filling:
         if not math.isfinite(time):
             raise GeometryError("its height is not a finite number")
         unborn = (sites.born != ALWAYS) & (sites.born > time)
-        safe = np.abs(sites.base + sites.growth * time) <= HEAVIEST
+        safe = np.abs(sites.growth * time) <= UTMOST
         for row in np.nonzero(~(safe | unborn))[0]:
             raise GeometryError(
                 f"its weight at a height of {height:g} mm is beyond the safe range of "
-                f"±{self.grid.heaviest:g} mm²: lower the offset or the height",
+                f"±{self.grid.utmost:g} mm²: lower the offset or the height",
                 site=int(sites.site_of[row]),
             )
 
-    def _course(self, sites: Timed, heights: Floats) -> Course:
+    def _course(
+        self, sites: Timed, heights: Floats, *, epoch: Epoch = FIRST, top: float | None = None
+    ) -> Course:
         slope = math.tan(math.radians(self.settings.max_overhang))
-        return Course(self.grid, sites, self.growth_step, heights, slope)
+        return Course(self.grid, sites, self.growth_step, heights, slope, epoch=epoch, top=top)
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""
+        if self.sections:
+            course = self._course(self._start, self._heights)
+            yield from self._climb(course)
+            self._passed = course
+
+    def _climb(self, course: Course) -> Iterator[Layer]:
         sections, full_cell, index = self.sections, np.inf, 0
-        if not sections:
-            return
-        course = self._course(self._start, self._heights)
         while index < len(sections):
             # The first layer by itself: what it has of area per cell is the measure for births;
             # where the part stands on a point or an edge, what each site has of the base rectangle.
@@ -307,4 +329,3 @@ class Filling:
                 rectangle = float(np.prod(self.box[2] - self.box[0]))
                 full_cell = layer.area_per_cell or rectangle / len(self._start.places)
             index += some
-        self._passed = course

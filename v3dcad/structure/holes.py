@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import ALWAYS, MOTION, NOW
+from v3dcad.geometry.agenda import ALWAYS, LEAST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, WORD
-from v3dcad.geometry.flips import ROW
+from v3dcad.geometry.flips import MESH, NOTHING, ROW
 from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
 
 FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
@@ -31,7 +31,8 @@ how long the list is complete."""
 
 
 LISTED, BARREN = 1, 2
-"""What `Shortlist.listed` says of a triangle: that it is on the list; that no newborn has room."""
+"""What `Shortlist.listed` says of a triangle: that it is on the list; that it has no newborn unless
+it changes. A larger number is the point that its newborn would be too near to, while that lives."""
 
 
 class Shortlist(NamedTuple):
@@ -40,21 +41,21 @@ class Shortlist(NamedTuple):
     holes: Any
     """(t,) int32: their triangles"""
     listed: Any
-    """(t,) int8: whether each triangle is `LISTED`, or `BARREN` until it changes"""
+    """(t,) int32: what there is to say of each triangle, or 0"""
     bar: Any
     """(1,) float64, steps²"""
     state: Any
     """(3,) int64"""
 
 
-SHORTLIST = TupleType([ROW, types.int8[::1], FLOATS, types.int64[::1]], Shortlist)
+SHORTLIST = TupleType([ROW, ROW, FLOATS, types.int64[::1]], Shortlist)
 
 
 def no_shortlist(triangles: int) -> Shortlist:
     """A shortlist that has yet to be made, of up to so many triangles."""
     return Shortlist(
         np.empty(triangles, np.int32),
-        np.zeros(triangles, np.int8),
+        np.zeros(triangles, np.int32),
         np.zeros(1),
         np.array([0, ALWAYS, ALWAYS]),
     )
@@ -72,25 +73,26 @@ def has_parents(motion, corners, vertex, gain):  # type: ignore[no-untyped-def]
     for k in range(1, 4):
         point = corners[vertex, k]
         born = motion.born[point]
-        if born != ALWAYS and motion.growth[point] * (motion.state[NOW] - born) < gain:
+        growth = motion.growth[point] + motion.state[LEAST]
+        if born != ALWAYS and growth * (motion.state[NOW] - born) < gain:
             return False
     return True
 
 
 @njit(types.void(CUT, SHORTLIST, WORD, WORD, WORD), **INLINED)
 def _consider(cut, shortlist, triangle, now, until):  # type: ignore[no-untyped-def]
-    """List the hole of a triangle if it may get above the bar."""
-    vertex, state = cut.vertex_of[triangle], shortlist.state
-    if vertex >= 0 and shortlist.listed[triangle] == 0:
+    """List the hole of a triangle that is not listed if it may get above the bar."""
+    vertex, state, said = cut.vertex_of[triangle], shortlist.state, shortlist.listed[triangle]
+    if vertex >= 0 and (said == 0 or said > BARREN):
         size = max(size_at(cut.holes, vertex, now), size_at(cut.holes, vertex, until))
         if size > shortlist.bar[0]:
             shortlist.holes[state[LENGTH]] = triangle
-            shortlist.listed[triangle] = LISTED
+            shortlist.listed[triangle] = max(said, LISTED)
             state[LENGTH] += 1
 
 
-@njit(types.void(MOTION, CUT, SHORTLIST, types.float64, types.float64), **INTERNAL)
-def list_holes(motion, cut, shortlist, share, gain):  # type: ignore[no-untyped-def]
+@njit(types.void(MESH, MOTION, CUT, SHORTLIST, types.float64, types.float64), **INTERNAL)
+def list_holes(mesh, motion, cut, shortlist, share, gain):  # type: ignore[no-untyped-def]
     """List all holes anew that are or may get above a bar, so far between their mean and the
     largest one that has parents; with a share of 0, list all, and only for now.
 
@@ -106,11 +108,13 @@ def list_holes(motion, cut, shortlist, share, gain):  # type: ignore[no-untyped-
         listed[cut.fresh[place]] = 0
     largest, total = -np.inf, 0.0
     for vertex in range(cut.state[VERTICES]):
-        size = size_at(cut.holes, vertex, now)
+        size, triangle = size_at(cut.holes, vertex, now), cut.corners[vertex, 0]
         total += size
+        if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == NOTHING:
+            listed[triangle] = 0
         if (
             size > largest
-            and listed[cut.corners[vertex, 0]] != BARREN
+            and listed[triangle] == 0
             and has_parents(motion, cut.corners, vertex, gain)
         ):
             largest = size
@@ -125,24 +129,27 @@ def list_holes(motion, cut, shortlist, share, gain):  # type: ignore[no-untyped-
     state[SEEN], state[UNTIL] = now, until
 
 
-@njit(types.boolean(MOTION, CUT, SHORTLIST), **INTERNAL)
-def look_again(motion, cut, shortlist):  # type: ignore[no-untyped-def]
+@njit(types.boolean(MESH, MOTION, CUT, SHORTLIST), **INTERNAL)
+def look_again(mesh, motion, cut, shortlist):  # type: ignore[no-untyped-def]
     """Whether the shortlist still holds: then what is new is on it, too."""
     holes, listed, state = shortlist.holes, shortlist.listed, shortlist.state
     now, kept = motion.state[NOW], 0
     if now > state[UNTIL] or cut.state[FRESH] == TOO_MANY:
         return False
+    for place in range(cut.state[FRESH]):
+        if listed[cut.fresh[place]] != LISTED:
+            listed[cut.fresh[place]] = 0
     for place in range(state[LENGTH]):
         triangle = holes[place]
         if cut.vertex_of[triangle] < 0:
             listed[triangle] = 0
-        elif listed[triangle] == LISTED:
+        elif listed[triangle] == LISTED or listed[triangle] > BARREN:
+            if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == NOTHING:
+                listed[triangle] = LISTED
             holes[kept] = triangle
             kept += 1
     state[LENGTH], state[SEEN] = kept, now
     for place in range(cut.state[FRESH]):
-        if listed[cut.fresh[place]] == BARREN:
-            listed[cut.fresh[place]] = 0
         _consider(cut, shortlist, cut.fresh[place], now, state[UNTIL])
     cut.state[FRESH] = 0
     return True

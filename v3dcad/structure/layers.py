@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import EVERYTHING, MOTION, STRUTS, TOUCHED
+from v3dcad.geometry.agenda import EVERYTHING, LAST, MOTION, STRUTS, TOUCHED
 from v3dcad.geometry.cut import count_cells, renew_cut
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.flips import MESH, POINTS
@@ -36,9 +36,9 @@ from v3dcad.geometry.walk import (
 from v3dcad.structure.births import SQUARES, give_births
 from v3dcad.structure.holes import SHORTLIST
 
-DONE, NEEDS_ROOM, OPEN_WALK = range(3)
-"""How a run ended: after its last layer, for want of room, or at a layer whose rings could not be
-walked."""
+DONE, NEEDS_ROOM, EPOCH_OVER, OPEN_WALK = range(4)
+"""How a run ended: after its last layer, for want of room, before a layer of the next epoch, or at
+one whose rings could not be walked."""
 
 STATUS, LAYERS, ROOM = range(3)
 """What a run's `outcome` holds: how it ended, how many layers it made, and for how many points
@@ -189,6 +189,9 @@ def run(  # type: ignore[no-untyped-def]
     starts_before, begun_before = np.empty(0, np.int64), np.empty(0, np.int32)
     graph, count, count_before, live_cells = -1, 0, 0, 0
     for layer in range(layers):
+        if times[layer] > motion.state[LAST]:
+            outcome[STATUS] = EPOCH_OVER
+            break
         if not advance(mesh, motion, times[layer]):
             outcome[STATUS] = NEEDS_ROOM
             break

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +43,18 @@ class Timed(Value):
             self.site_of[rows],
         )
 
+    def and_newborn(self, others: Sequence[Timed]) -> Timed:
+        """These and others after them."""
+        parts = [self, *others]
+        return Timed(
+            np.concatenate([part.places for part in parts]),
+            np.concatenate([part.base for part in parts]),
+            np.concatenate([part.growth for part in parts]),
+            np.concatenate([part.born for part in parts]),
+            np.concatenate([part.born_at for part in parts]),
+            np.concatenate([part.site_of for part in parts]),
+        )
+
     def by_site(self) -> Timed:
         """In the order of the sites' numbers."""
         return self.rows(np.argsort(self.site_of, kind="stable"))
@@ -54,8 +68,9 @@ class SiteStates:
         self._grid = grid
         self._growth_step = growth_step
         self._count = 0
-        self._columns: list[NDArray[np.float64]] = [
-            np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0), np.empty(0)
+        whole = np.empty(0, np.int64)
+        self._columns: list[NDArray[Any]] = [
+            np.empty((0, 2)), np.empty(0), np.empty(0), whole, whole
         ]  # fmt: skip
         self._views = self._columns
         self.add(sites.by_site())
@@ -65,16 +80,14 @@ class SiteStates:
 
     def add(self, sites: Timed) -> None:
         """Add sites with the next numbers."""
-        # Whole numbers as floats: exact (see `grid.py`).
-        growth = sites.growth.astype(np.float64)
         new = [
             self._grid.millimetres(sites.places),
-            self._growth_step * growth,
+            self._growth_step * sites.growth,
             sites.born_at,
-            sites.base.astype(np.float64),
-            growth,
+            sites.base,
+            sites.growth,
         ]
-        before, self._count = self._count, self._count + len(growth)
+        before, self._count = self._count, self._count + len(sites.growth)
         if self._count > len(self._columns[1]):
             self._columns = [
                 np.concatenate([old[:before], now, np.empty_like(old[:before])])
@@ -90,7 +103,6 @@ class SiteStates:
     def at(self, count: int, time: int) -> SiteState:
         """The state of the first `count` sites at a whole time."""
         places, speed, born_at, base, growth = (column[:count] for column in self._views)
-        weights = growth * float(time)
+        weights = growth * time
         weights += base
-        weights *= self._grid.pitch**2
-        return SiteState(places, weights, speed, born_at)
+        return SiteState(places, weights * self._grid.pitch**2, speed, born_at)

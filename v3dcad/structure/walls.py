@@ -7,6 +7,7 @@ vertices at its two ends run along; the layers are its slices. All of it is in t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,6 +75,32 @@ class Tracks(Value):
     """(t, 2) z at which it begins and ends"""
     ends: Floats
     """(t, 2, 2) x, y there"""
+    leaps: tuple[float, ...] = ()
+    """z at which those far outside the base rectangle leap"""
+
+
+def joined(pieces: Sequence[Tracks]) -> Tracks:
+    """One log of several, each from where the one before ends.
+
+    A vertex between the same three sites in both goes on, unless a far corner takes part: between
+    them these have moved (`epochs.py`).
+    """
+    if len(pieces) == 1:
+        return pieces[0]
+    corners = np.concatenate([piece.corners for piece in pieces])
+    spans = np.concatenate([piece.spans for piece in pieces])
+    ends = np.concatenate([piece.ends for piece in pieces])
+    order = np.lexsort((spans[:, 0], *corners.T))
+    corners, spans, ends = corners[order], spans[order], ends[order]
+    goes_on = (corners[1:] == corners[:-1]).all(axis=1) & (spans[1:, 0] == spans[:-1, 1])
+    goes_on &= (corners[1:] >= 0).all(axis=1)
+    begins, stops = np.append(True, ~goes_on), np.append(~goes_on, True)
+    return Tracks(
+        corners[begins],
+        np.column_stack([spans[begins, 0], spans[stops, 1]]),
+        np.stack([ends[begins, 0], ends[stops, 1]], axis=1),
+        tuple(float(piece.spans.max()) for piece in pieces[:-1] if len(piece.spans)),
+    )
 
 
 def strut_axes(tracks: Tracks, box: Floats) -> StrutAxes:
@@ -149,12 +176,15 @@ def _polygons(tracks: Tracks, chains: Ints) -> tuple[Ints, Floats, Ints]:
     facet_of_piece = np.empty(len(head), np.int64)
     facet_of_piece[match] = np.arange(len(head)) // 2
     facet = facet_of_piece[piece]
-    # The right chain upwards from its lowest point, then the left one downwards.
-    rows = np.concatenate([head, np.arange(len(chains))])
-    upper = np.concatenate([np.zeros(len(head), np.int64), np.ones(len(chains), np.int64)])
+    # The right chain upwards from its lowest point, then the left one downwards. Each track begins
+    # where the one below ends, but for the leaps.
+    lower = np.nonzero(first | np.isin(begins, tracks.leaps))[0]
+    rows = np.concatenate([lower, np.arange(len(chains))])
+    upper = np.concatenate([np.zeros(len(lower), np.int64), np.ones(len(chains), np.int64)])
     z = np.where(upper == 1, ends[rows], begins[rows])
     x, y = tracks.ends[track[rows], upper].T
-    order = np.lexsort((np.where(left[rows] == 1, -z, z), left[rows], facet[rows]))
+    upwards = 2 * rows + upper
+    order = np.lexsort((np.where(left[rows] == 1, -upwards, upwards), left[rows], facet[rows]))
     points = np.column_stack([x, y, z])[order]
     starts = np.searchsorted(facet[rows][order], np.arange(len(head) // 2 + 1))
     sites = np.empty((len(head) // 2, 2), np.int64)
