@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.agenda import STRUTS, with_log
+from v3dcad.geometry.agenda import STRUTS
 from v3dcad.geometry.flips import NOTHING, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import STEPS, Grid, curve_order
-from v3dcad.geometry.kinetics import advance, motion_of
+from v3dcad.geometry.kinetics import advance, motion_of, resumed
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 
@@ -80,8 +80,8 @@ def test_flips_up_to_a_time_give_the_triangulation_of_that_time(given_sites, see
     mesh = triangulation(sites, np.zeros(len(sites), np.int64))
     motion = motion_of(mesh, growth, 0, last)
     for time in np.sort(rng.integers(1, last, 10)):
-        while not advance(mesh, motion, time):
-            motion = with_log(motion, len(motion.spans))
+        while ended := advance(mesh, motion, time):
+            motion = resumed(mesh, motion, ended)
         again = triangulation(sites, growth[SENTINELS:] * time)
         np.testing.assert_array_equal(triangles(mesh), triangles(again))
     spans = motion.spans[: motion.state[STRUTS]]

@@ -54,6 +54,9 @@ from v3dcad.geometry.grid import HEAVIEST
 from v3dcad.geometry.triangulation import build
 from v3dcad.model import Ints
 
+ADVANCED, LOG_FULL, JAMMED = range(3)
+"""How `advance` ends."""
+
 
 @njit(types.void(MESH, MOTION, WORD, WORD, TIME), **INTERNAL)
 def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-def]
@@ -141,11 +144,10 @@ def end_all(mesh, motion):  # type: ignore[no-untyped-def]
             _end_strut(mesh, motion, triangle)
 
 
-@njit(types.boolean(MESH, MOTION, WORD), **COMPILED)
+@njit(WORD(MESH, MOTION, WORD), **COMPILED)
 def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
-    """Bring the triangulation to a later whole time.
-
-    Returns False where the log of struts is full; after `with_room` it goes on from there.
+    """Bring the triangulation to a later whole time. Says how that has ended: `ADVANCED`, or short
+    of it, to be gone on with after `resumed`.
     """
     points, triangles, state, stuck = mesh.points, mesh.triangles, motion.state, mesh.stack
     if time != state[NOW]:
@@ -157,18 +159,9 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
         if state[DUE] == 0 or motion.due[0] > time:
             if waiting == 0:
                 break
-            # Edges that could not be flipped: another flip may have freed them.
             if not flipped:
-                # None did (moments that differ by less than floats tell): start afresh.
-                if len(motion.spans) - state[STRUTS] < mesh.count[TRIANGLES]:
-                    for at in range(waiting):
-                        _certify(mesh, motion, stuck[at] // 3, stuck[at] % 3, -NEVER)
-                    return False
-                motion.moment[0] = time
-                end_all(mesh, motion)
-                build(mesh, mesh.count[POINTS])
-                certify_all(mesh, motion)
-                break
+                return JAMMED
+            # Edges that could not be flipped: another flip may have freed them.
             for at in range(waiting):
                 if triangles[stuck[at] // 3, 0] != NOTHING:
                     _certify(mesh, motion, stuck[at] // 3, stuck[at] % 3, -NEVER)
@@ -177,7 +170,7 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
         if len(motion.spans) - state[STRUTS] < 4:
             for at in range(waiting):
                 _certify(mesh, motion, stuck[at] // 3, stuck[at] % 3, -NEVER)
-            return False
+            return LOG_FULL
         edge = pop(motion)
         if edge < 0:
             continue
@@ -217,7 +210,7 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
         if kind == FLIP or kind > HIDE_THIRD:
             _begin_strut(mesh, motion, other)
     motion.moment[0] = max(motion.moment[0], float(time))
-    return True
+    return ADVANCED
 
 
 @njit(types.void(MESH, MOTION, WORD, WORD), **INTERNAL)
@@ -253,6 +246,24 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
         moment=np.array([float(now)]),
         state=np.array([0, 0, 0, now, last, 0, HEAVIEST]),
     )
+    certify_all(mesh, motion)
+    return motion
+
+
+def resumed(mesh: Triangulation, motion: Motion, ended: int) -> Motion:
+    """The motion with what `advance` needs to go on where it has ended before the time asked for.
+
+    `LOG_FULL`: room for more struts. `JAMMED`: edges are due of which none can be flipped, since
+    moments differ by less than floats tell; so the triangulation is built afresh at that time.
+    """
+    if ended == LOG_FULL:
+        return with_log(motion, len(motion.spans))
+    triangles = int(mesh.count[TRIANGLES])
+    if len(motion.spans) - motion.state[STRUTS] < triangles:
+        motion = with_log(motion, triangles)
+    motion.moment[0] = motion.state[NOW]
+    end_all(mesh, motion)
+    build(mesh, mesh.count[POINTS])
     certify_all(mesh, motion)
     return motion
 

@@ -12,7 +12,7 @@ from v3dcad.geometry.epochs import FIRST, Epoch
 from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import HEAVIEST, UTMOST, Grid
 from v3dcad.geometry.inside import cut_with_room, empty_cut
-from v3dcad.geometry.kinetics import advance, end_all, motion_of, with_room
+from v3dcad.geometry.kinetics import advance, end_all, motion_of, resumed, with_room
 from v3dcad.geometry.polygon import winding_fault
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import triangulation
@@ -20,6 +20,7 @@ from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.births import no_squares
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.layers import (
+    JAMMED,
     LAYERS,
     NEEDS_ROOM,
     OPEN_WALK,
@@ -88,11 +89,15 @@ class Course:
         self.motion.born[SENTINELS:] = np.maximum(sites.born - epoch.start, ALWAYS)
         self.motion.state[LEAST] = epoch.growth
         self.motion.state[MOST] = UTMOST // max(int(self.times[-1]), 1) - epoch.growth
+        self._bottom = bottom
+        self.epochs.append(epoch)
+        self._cut_nothing()
+
+    def _cut_nothing(self) -> None:
+        """Forget what there was of a cut, for a triangulation built anew."""
         room, slots = len(self.mesh.points), len(self.mesh.triangles)
         self._cut, self._tree = empty_cut(room, slots), empty_tree(room)
         self._squares, self._shortlist = no_squares(room), no_shortlist(slots)
-        self._bottom = bottom
-        self.epochs.append(epoch)
 
     @property
     def _rate(self) -> float:
@@ -136,8 +141,8 @@ class Course:
 
     def _end_epoch(self) -> None:
         """Go to where the epoch ends, and note how the vertices have moved in it."""
-        while not advance(self.mesh, self.motion, self.motion.state[LAST]):
-            self.motion = with_log(self.motion, len(self.motion.spans))
+        while ended := advance(self.mesh, self.motion, self.motion.state[LAST]):
+            self.motion = resumed(self.mesh, self.motion, ended)
         triangles = int(self.mesh.count[TRIANGLES])
         if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
             self.motion = with_log(self.motion, triangles)
@@ -162,6 +167,9 @@ class Course:
             fault = int(made.outcome[STATUS])
             if fault == NEEDS_ROOM:
                 self._make_room(int(made.outcome[ROOM]))
+            if fault == JAMMED:
+                self.motion = resumed(self.mesh, self.motion, fault)
+                self._cut_nothing()
             yield from self._layers(made, sections[done:], index + done)
             done += int(made.outcome[LAYERS])
             if fault == OPEN_WALK:

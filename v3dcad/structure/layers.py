@@ -36,9 +36,9 @@ from v3dcad.geometry.walk import (
 from v3dcad.structure.births import SQUARES, give_births
 from v3dcad.structure.holes import SHORTLIST
 
-DONE, NEEDS_ROOM, EPOCH_OVER, OPEN_WALK = range(4)
-"""How a run ended: after its last layer, for want of room, before a layer of the next epoch, or at
-one whose rings could not be walked."""
+DONE, NEEDS_ROOM, JAMMED, EPOCH_OVER, OPEN_WALK = range(5)
+"""How a run ended: after its last layer, for want of room or with a jam (as `advance` says), before
+a layer of the next epoch, or at one whose rings could not be walked."""
 
 STATUS, LAYERS, ROOM = range(3)
 """What a run's `outcome` holds: how it ended, how many layers it made, and for how many points
@@ -192,8 +192,8 @@ def run(  # type: ignore[no-untyped-def]
         if times[layer] > motion.state[LAST]:
             outcome[STATUS] = EPOCH_OVER
             break
-        if not advance(mesh, motion, times[layer]):
-            outcome[STATUS] = NEEDS_ROOM
+        outcome[STATUS] = advance(mesh, motion, times[layer])
+        if outcome[STATUS] != DONE:
             break
         rings_from, rings_to = rings.layers[layer], rings.layers[layer + 1]
         first = rings.starts[rings_from]
@@ -240,8 +240,8 @@ def run(  # type: ignore[no-untyped-def]
             )
             if born == 0:
                 break
-            if not advance(mesh, motion, times[layer]):
-                outcome[STATUS] = NEEDS_ROOM
+            outcome[STATUS] = advance(mesh, motion, times[layer])
+            if outcome[STATUS] != DONE:
                 break
             walked = not fresh or _touches(mesh, motion, seen, token)
         if outcome[STATUS] != DONE:
