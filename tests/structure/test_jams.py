@@ -15,12 +15,14 @@ SITES = np.random.default_rng(3).random((40, 2)) * 40
 JAMS = (7, 8, 30)
 
 
-def filled(widening: float) -> Any:
+def filled(widening: float, insertion: bool) -> Any:
     sections = [
         Section(0.4 * k, (SQUARE * (1 + widening * k) - 20 * k * widening,)) for k in range(60)
     ]
     return fill_sections(
-        sections, SITES, FillSettings(layer_height=0.4, offset=0.3, max_overhang=90.0)
+        sections,
+        SITES,
+        FillSettings(layer_height=0.4, offset=4.0, max_overhang=90.0, insertion=insertion),
     )
 
 
@@ -35,11 +37,13 @@ def lines(layer: Layer) -> set[tuple[Any, ...]]:
     }
 
 
-@pytest.mark.parametrize("widening", [0.0, 0.01])
-def test_a_jam_does_not_show(widening: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    expected = filled(widening)
+@pytest.mark.parametrize(("widening", "insertion"), [(0.0, True), (0.01, True), (0.0, False)])
+def test_a_jam_does_not_show(
+    widening: float, insertion: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = filled(widening, insertion)
     layers, facets = list(expected.layers), expected.walls
-    assert len(expected.births) > 3
+    assert (len(expected.births) > 3) == insertion
     jammed: list[int] = []
     made = 0
 
@@ -60,7 +64,7 @@ def test_a_jam_does_not_show(widening: float, monkeypatch: pytest.MonkeyPatch) -
         return found
 
     monkeypatch.setattr(course, "run", jamming)
-    filling = filled(widening)
+    filling = filled(widening, insertion)
     found = list(filling.layers)
     assert jammed == list(JAMS)
     for before, after in zip(layers, found, strict=True):
