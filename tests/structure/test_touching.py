@@ -7,8 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests import oracle
+from tests.geometry.test_polygon import fault
 from tests.regions import region
-from tests.structure.test_fill import laws
+from tests.structure.test_fill import _area, laws
+from v3dcad.geometry.cells import cells
 from v3dcad.model import Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
@@ -57,7 +59,30 @@ def test_cells_behind_a_contour_are_not_counted(seed, offset):
         state, area = layer.state, oracle.area_of(layer.section)
         np.testing.assert_array_equal(state.sites, sites)
         parts = shapely.area(oracle.cells(state.sites, state.weights, layer.section))
-        cells = np.nonzero(parts > 1e-9)[0]
-        np.testing.assert_array_equal(layer.diagram.sites(), cells)
-        assert layer.area_per_cell == pytest.approx(area.area / len(cells))
-        assert oracle.layer(state.sites, state.weights, layer.section)[3] == len(cells)
+        filled = np.nonzero(parts > 1e-9)[0]
+        np.testing.assert_array_equal(layer.diagram.sites(), filled)
+        assert layer.area_per_cell == pytest.approx(area.area / len(filled))
+        assert oracle.layer(state.sites, state.weights, layer.section)[3] == len(filled)
+
+
+@given(st.integers(0, 10**6))
+def test_spikes_of_no_area_change_no_cell(seed):
+    """They run through the diagram's vertices, and backwards around them but for rounding."""
+    random = np.random.default_rng(seed)
+    rings = region(random, 4)
+    spiky = []
+    for ring in rings:
+        spike = [ring[1], ring[1] + random.integers(-1, 2, 2)]
+        spiky.append(np.insert(ring, [1, 1], spike, axis=0))
+    sites = np.vstack([np.argwhere(np.ones((4, 4))) + 0.5, [[-2, -2], [6, 6]]])
+    sections = [Section(0.0, tuple(rings)), Section(1.0, tuple(spiky))]
+    if fault(spiky) is not None:  # a spike that crosses
+        return
+    layers = list(fill_sections(sections, sites, FillSettings(offset=0.0)).layers)
+    smooth, diagram = (layer.diagram for layer in layers)
+    areas = smooth.areas(len(sites))
+    np.testing.assert_allclose(diagram.areas(len(sites)), areas, atol=1e-8)
+    around = cells(diagram)
+    swept = [_area(around.ring(k, diagram)) for k in range(len(around.sites))]
+    per_site = np.bincount(around.sites, swept, len(sites))
+    np.testing.assert_allclose(per_site, areas, atol=1e-8)

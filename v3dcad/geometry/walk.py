@@ -183,7 +183,7 @@ def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: 
 @njit(types.void(FLOAT_ROWS, INTS, *[FLOAT] * 3, INTS, FLOAT_ROWS), **INTERNAL)
 def link_corners(corners, starts, left, low, pitch, after, stepped):  # type: ignore[no-untyped-def]
     """Fill `after` (r,), which corner follows each on its ring, and `stepped` (r, 2), where the
-    rings' corners (r, 2), mm, lie in grid steps, by a `HAIR` for each side that they end.
+    rings' corners (r, 2), mm, lie in grid steps, moved a `HAIR` to the left of either side there.
 
     (`left`, `low`), mm, and `pitch` say where the grid lies.
     """
