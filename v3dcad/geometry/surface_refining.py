@@ -163,19 +163,20 @@ def _insert(  # type: ignore[no-untyped-def]
     """Divide a triangle into three at (u, v), where `node` is; rows from `triangle` and `edge` on
     become the two new ones and the three spokes.
     """
-    old = _corner(mesh, parent, 0), _corner(mesh, parent, 1), _corner(mesh, parent, 2)
     face = mesh.faces[parent]
-    for k in range(3):
+    for k in (1, 2, 0):  # the child that takes the parent's rows comes last
         after = (k + 1) % 3
         child = parent if k == 0 else triangle + k - 1
         before = parent if k == 1 else triangle + (k + 1) % 3
-        first, first_u, first_v, side = old[k]
-        last, last_u, last_v, _ = old[after]
+        first, first_u, first_v, side = _corner(mesh, parent, k)
+        last, last_u, last_v, _ = _corner(mesh, parent, after)
         _set_edge(mesh, edge + k, node, first, face, -1, u, v, first_u, first_v)
-        mesh.faces[child] = face
-        _set_corner(mesh, child, 0, node, u, v, edge + k)
-        _set_corner(mesh, child, 1, first, first_u, first_v, side)
-        _set_corner(mesh, child, 2, last, last_u, last_v, edge + after)
+        corners = (
+            (node, u, v, edge + k),
+            (first, first_u, first_v, side),
+            (last, last_u, last_v, edge + after),
+        )
+        _set_triangle(mesh, child, face, corners)
         _hand_over(mesh, side, parent, child)
         mesh.owners[edge + k, 0], mesh.owners[edge + k, 1] = before, child
 
@@ -226,13 +227,10 @@ def _bisect(  # type: ignore[no-untyped-def]
         u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
     _set_edge(mesh, middle, node, c, face, -1, u, v, c_u, c_v)
     near, far = (edge, rest) if forward else (rest, edge)
-    _set_corner(mesh, triangle, 0, a, a_u, a_v, near)
-    _set_corner(mesh, triangle, 1, node, u, v, middle)
-    _set_corner(mesh, triangle, 2, c, c_u, c_v, side_ca)
-    mesh.faces[beyond] = face
-    _set_corner(mesh, beyond, 0, node, u, v, far)
-    _set_corner(mesh, beyond, 1, b, b_u, b_v, side_bc)
-    _set_corner(mesh, beyond, 2, c, c_u, c_v, middle)
+    corners = (a, a_u, a_v, near), (node, u, v, middle), (c, c_u, c_v, side_ca)
+    _set_triangle(mesh, triangle, face, corners)
+    corners = (node, u, v, far), (b, b_u, b_v, side_bc), (c, c_u, c_v, middle)
+    _set_triangle(mesh, beyond, face, corners)
     mesh.owners[middle, 0], mesh.owners[middle, 1] = triangle, beyond
     _hand_over(mesh, side_bc, triangle, beyond)
     return forward
@@ -262,9 +260,12 @@ def _corner(mesh, triangle, corner):  # type: ignore[no-untyped-def]
 
 
 @njit(**INTERNAL)
-def _set_corner(mesh, triangle, corner, node, u, v, side):  # type: ignore[no-untyped-def]
-    mesh.triangles[triangle, corner], mesh.sides[triangle, corner] = node, side
-    mesh.corners[triangle, corner, 0], mesh.corners[triangle, corner, 1] = u, v
+def _set_triangle(mesh, triangle, face, corners):  # type: ignore[no-untyped-def]
+    """Each corner as `_corner` tells it."""
+    mesh.faces[triangle] = face
+    for k in range(3):
+        mesh.triangles[triangle, k], u, v, mesh.sides[triangle, k] = corners[k]
+        mesh.corners[triangle, k, 0], mesh.corners[triangle, k, 1] = u, v
 
 
 @njit(**INTERNAL)
