@@ -18,20 +18,22 @@ def module_of(path: Path) -> str:
     return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
 
 
-def is_compiled(function: ast.stmt) -> bool:
+def is_compiled(function: ast.stmt, *marks: str) -> bool:
     return isinstance(function, ast.FunctionDef) and any(
-        "njit" in ast.unparse(mark) for mark in function.decorator_list
+        mark in ast.unparse(decorator) for decorator in function.decorator_list for mark in marks
     )
 
 
 def called_from_python() -> dict[str, list[str]]:
-    """The compiled functions that code which is not compiled calls, by module."""
+    """The compiled functions that code which is not compiled calls, by module; but for linked
+    ones, which are compiled as they are loaded.
+    """
     trees = {module_of(path): ast.parse(path.read_text("utf-8")) for path in PACKAGE.rglob("*.py")}
     compiled = {
         (module, function.name)
         for module, tree in trees.items()
         for function in tree.body
-        if isinstance(function, ast.FunctionDef) and is_compiled(function)
+        if isinstance(function, ast.FunctionDef) and is_compiled(function, "njit")
     }
     called: dict[str, list[str]] = {}
     for module, tree in trees.items():
@@ -42,7 +44,7 @@ def called_from_python() -> dict[str, list[str]]:
             for alias in node.names
         }
         for statement in tree.body:
-            for call in [] if is_compiled(statement) else ast.walk(statement):
+            for call in [] if is_compiled(statement, "njit", "linked") else ast.walk(statement):
                 if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
                     found = (home.get(call.func.id) or module, call.func.id)
                     if found in compiled:

@@ -45,7 +45,7 @@ def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
     return x, y, z, (dx - x * dw) / w, (dy - y * dw) / w, (dz - z * dw) / w
 
 
-@linked(types.UniTuple(FLOAT, 6)(HEAP, WORD, FLOAT))
+@linked(types.UniTuple(FLOAT, 6)(HEAP, WORD, FLOAT), **COMPILED)
 def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
     """Point and tangent of a curve at parameter t: x, y, z, dx, dy, dz."""
     kind = int(heap[place])

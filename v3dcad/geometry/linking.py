@@ -18,18 +18,16 @@ from numba.core.types import Function
 from numba.core.typing.templates import ConcreteTemplate, infer_global
 from numba.extending import lower_builtin
 
-from v3dcad.geometry.exact import COMPILED
 
+def linked(signature: Any, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Compile a function for one signature when its module is loaded; `options` are `njit`'s.
 
-def linked(signature: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Compile a function for one signature, to be called from compiled code and from Python.
-
-    Compiled code knows it by the name of its module and its own, as a linker would: it has to be
-    imported where code that calls it is loaded from a cache.
+    Compiled code calls it by the names of its module and its own, as a linker would have it, also
+    from a cache. From Python it is called as any other, unless it is `INTERNAL`.
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        compiled = njit(signature, **COMPILED)(function)
+        compiled = njit(signature, **options)(function)
         (result,) = compiled.overloads.values()
         name = f"{function.__module__}.{function.__qualname__}"
         add_symbol(name, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))

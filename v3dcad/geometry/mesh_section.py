@@ -19,14 +19,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.exact import COMPILED, INTERNAL
 from v3dcad.model import Floats, Ints, Mesh, Section, Value
-
-ROWS = types.float64[:, ::1]
 
 SNAP = 1e-9
 """mm: a node this close to a plane lies in it; a ring this thin has no area."""
@@ -314,7 +312,7 @@ def _differ(points, one, other):  # type: ignore[no-untyped-def]
     return points[one, 0] != points[other, 0] or points[one, 1] != points[other, 1]
 
 
-@njit(types.boolean(ROWS, types.float64), **INTERNAL)
+@njit(**INTERNAL)
 def is_thin(ring, width):  # type: ignore[no-untyped-def]
     """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
     area, length = 0.0, 0.0

@@ -13,6 +13,8 @@ from v3dcad.geometry.exact import INTERNAL
 
 FLOAT = types.float64
 HEAP = types.Array(FLOAT, 1, "C", readonly=True)
+ROWS = types.float64[:, ::1]
+"""What compiled code takes: a number, the heap, and points it may write to."""
 
 
 @njit(**INTERNAL)

@@ -110,7 +110,7 @@ def turning_points(heap, surfaces, faces, curves, spans):  # type: ignore[no-unt
     return turns
 
 
-@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, WORD, HEAP))
+@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, WORD, HEAP), **INTERNAL)
 def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     """Share of the way at which an edge's height turns the most, and by how much above or below
     its nearer end (mm); 0 and 0 if it is monotone.
@@ -140,7 +140,7 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     return found, best
 
 
-@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT))
+@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **INTERNAL)
 def project(heap, surface, point, u, v):  # type: ignore[no-untyped-def]
     """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
     for _ in range(20):

@@ -96,7 +96,7 @@ def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@linked(SURFACE_AT)
+@linked(SURFACE_AT, **INTERNAL)
 def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     kind = int(heap[place])
     if kind == SPLINE_SURFACE:
@@ -180,7 +180,7 @@ def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@linked(SURFACE_AT)
+@linked(SURFACE_AT, **COMPILED)
 def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """Point and tangents of a surface at (u, v), as an array (3, 3): S, ∂S/∂u, ∂S/∂v."""
     if int(heap[place]) == OFFSET:
@@ -188,7 +188,7 @@ def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return _plain_at(heap, place, u, v)
 
 
-@linked(types.UniTuple(FLOAT, 3)(HEAP, WORD, FLOAT, FLOAT))
+@linked(types.UniTuple(FLOAT, 3)(HEAP, WORD, FLOAT, FLOAT), **INTERNAL)
 def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
     kind = int(heap[place])
