@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import types
 
+from v3dcad.geometry.exact import INTERNAL, WORD
+from v3dcad.geometry.linking import linked
+from v3dcad.geometry.splines import FLOAT, HEAP
 from v3dcad.geometry.surfaces import CONE, CYLINDER, PLANE, REVOLUTION, SPHERE, TORUS
 
 POINTS, LINES, CIRCLE, ELLIPSE = range(4)
@@ -13,7 +16,7 @@ SLENDER = 1e-4
 """Ellipses more slender than this (minor ÷ major squared) are left as points."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@linked(types.Tuple([WORD, *[FLOAT] * 5])(HEAP, WORD, FLOAT, FLOAT, FLOAT), **INTERNAL)
 def conic_at(heap, place, height, x, y):  # type: ignore[no-untyped-def]
     """What the plane z = height cuts from a surface, next to the point (x, y) of the section.
 

@@ -11,9 +11,13 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from v3dcad.geometry.exact import COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, depth
-from v3dcad.geometry.surfaces import CONE, SPHERE, TORUS, surface_at
+from v3dcad.geometry.surfaces import CONE, SPHERE, TORUS, height_at
 from v3dcad.model import Floats, Ints
+
+MOST_IN_ONE = 4
+"""Critical points that a sphere, a torus or a triangle may have."""
 
 
 def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
@@ -27,10 +31,12 @@ def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
     return order[found], parameters
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _search(heap, surfaces, corners, first):  # type: ignore[no-untyped-def]
-    triangles = [0]
-    found = [(0.0, 0.0)]
+    triangles = np.empty(MOST_IN_ONE * (len(surfaces) + len(corners)), np.int64)
+    found = np.empty((len(triangles), 2))
+    points = np.empty((MOST_IN_ONE, 2))
+    count = 0
     for face in range(len(surfaces)):
         place = surfaces[face]
         kind = int(heap[place])
@@ -38,91 +44,98 @@ def _search(heap, surfaces, corners, first):  # type: ignore[no-untyped-def]
         if kind <= CONE or begin == end:
             continue
         if kind in (SPHERE, TORUS):
-            for point in _of_quadric(heap, place):
-                best, owner, best_u, best_v = -0.2, -1, 0.0, 0.0
+            turns = 2 if kind == TORUS else 0
+            for k in range(_of_quadric(heap, place, points)):
+                best, owner = -0.2, -1
                 for triangle in range(begin, end):
                     for turn in range(-2, 3):
-                        for turn_v in range(-2, 3) if kind == TORUS else range(1):
-                            u = point[0] + turn * 2 * np.pi
-                            v = point[1] + turn_v * 2 * np.pi
+                        for turn_v in range(-turns, turns + 1):
+                            u = points[k, 0] + turn * 2 * np.pi
+                            v = points[k, 1] + turn_v * 2 * np.pi
                             inside = depth(corners[triangle], u, v)
                             if inside > best:
-                                best, owner, best_u, best_v = inside, triangle, u, v
+                                best, owner = inside, triangle
+                                found[count, 0], found[count, 1] = u, v
                 if owner >= 0:
-                    triangles.append(owner)
-                    found.append((best_u, best_v))
+                    triangles[count] = owner
+                    count += 1
             continue
-        known = len(found)
+        known = count
         for triangle in range(begin, end):
-            for u, v in _of_triangle(heap, place, corners[triangle]):
+            for k in range(_of_triangle(heap, place, corners[triangle], points)):
+                u, v = points[k, 0], points[k, 1]
                 new = True
-                for other in found[known:]:
-                    if abs(other[0] - u) + abs(other[1] - v) < 1e-7:
+                for other in range(known, count):
+                    if abs(found[other, 0] - u) + abs(found[other, 1] - v) < 1e-7:
                         new = False
                 if new:
-                    triangles.append(triangle)
-                    found.append((u, v))
-    return np.array(triangles[1:], np.int64), np.array(found)[1:]
+                    triangles[count] = triangle
+                    found[count, 0], found[count, 1] = u, v
+                    count += 1
+    return triangles[:count], found[:count]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _of_quadric(heap, place):  # type: ignore[no-untyped-def]
-    """Where the normal of a sphere or torus is vertical."""
+@njit(**INTERNAL)
+def _of_quadric(heap, place, points):  # type: ignore[no-untyped-def]
+    """Where the normal of a sphere or torus is vertical: to `points` (4, 2); how many."""
     up_x, up_y, up_z = heap[place + 6], heap[place + 9], heap[place + 12]
     level = np.hypot(up_x, up_y)
-    points = [(0.0, 0.0)]
-    if level > 1e-9:
-        u = np.arctan2(up_y, up_x)
-        points.append((u, np.arctan2(up_z, level)))
-        points.append((u + np.pi, np.arctan2(-up_z, level)))
-        if int(heap[place]) == TORUS:
-            points.append((u, np.arctan2(-up_z, -level)))
-            points.append((u + np.pi, np.arctan2(up_z, -level)))
-    return points[1:]
+    if level <= 1e-9:
+        return 0
+    u = np.arctan2(up_y, up_x)
+    points[0, 0], points[0, 1] = u, np.arctan2(up_z, level)
+    points[1, 0], points[1, 1] = u + np.pi, np.arctan2(-up_z, level)
+    points[2, 0], points[2, 1] = u, np.arctan2(-up_z, -level)
+    points[3, 0], points[3, 1] = u + np.pi, np.arctan2(up_z, -level)
+    return 4 if int(heap[place]) == TORUS else 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _of_triangle(heap, place, corners):  # type: ignore[no-untyped-def]
-    """Zeros of the gradient in a triangle, sought in its four quarters."""
-    points = np.empty((6, 2))
-    gradients = np.empty((6, 2))
-    for k in range(3):
-        points[k] = corners[k]
-        points[3 + k] = (corners[k] + corners[(k + 1) % 3]) / 2
-    for k in range(6):
-        s = surface_at(heap, place, points[k, 0], points[k, 1])
-        gradients[k, 0], gradients[k, 1] = s[1, 2], s[2, 2]
-    zeros = [(0.0, 0.0)]
+@njit(**INTERNAL)
+def _of_triangle(heap, place, corners, zeros):  # type: ignore[no-untyped-def]
+    """Zeros of the gradient in a triangle, sought in its four quarters: to `zeros` (4, 2); how
+    many.
+    """
+    points, gradients = np.empty((6, 2)), np.empty((6, 2))
+    for k in range(6):  # its corners, then the middles of its sides
+        one, other = k % 3, k if k < 3 else (k + 1) % 3
+        u, v = (corners[one, 0] + corners[other, 0]) / 2, (corners[one, 1] + corners[other, 1]) / 2
+        points[k, 0], points[k, 1] = u, v
+        _, gradients[k, 0], gradients[k, 1] = height_at(heap, place, u, v)
+    around = np.empty((3, 2))
+    count = 0
     for quarter in ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)):
-        around = np.empty((3, 2))
-        start = np.empty((3, 2))
+        u = v = size = 0.0
         for k in range(3):
-            around[k] = gradients[quarter[k]]
-            start[k] = points[quarter[k]]
+            at = quarter[k]
+            around[k, 0], around[k, 1] = gradients[at, 0], gradients[at, 1]
+            u, v = u + points[at, 0], v + points[at, 1]
+            size = max(size, abs(points[at, 0] - points[0, 0]), abs(points[at, 1] - points[0, 1]))
         if depth(around, 0.0, 0.0) < -0.5:
             continue
-        u, v = start[:, 0].mean(), start[:, 1].mean()
-        solved, u, v = _zero_gradient(heap, place, u, v, np.abs(start - points[0]).max() * 1e-5)
+        solved, u, v = _zero_gradient(heap, place, u / 3, v / 3, size * 1e-5)
         if solved and depth(corners, u, v) > -0.05:
-            zeros.append((u, v))
-    return zeros[1:]
+            zeros[count, 0], zeros[count, 1] = u, v
+            count += 1
+    return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def _zero_gradient(heap, place, u, v, step):  # type: ignore[no-untyped-def]
     """Newton's method on ∂z/∂u = ∂z/∂v = 0, second derivatives by differences."""
     for _ in range(15):
-        s = surface_at(heap, place, u, v)
-        right, left = surface_at(heap, place, u + step, v), surface_at(heap, place, u - step, v)
-        above, below = surface_at(heap, place, u, v + step), surface_at(heap, place, u, v - step)
-        uu = (right[1, 2] - left[1, 2]) / (2 * step)
-        vv = (above[2, 2] - below[2, 2]) / (2 * step)
-        uv = (right[2, 2] - left[2, 2] + above[1, 2] - below[1, 2]) / (4 * step)
+        _, u_slope, v_slope = height_at(heap, place, u, v)
+        _, right_u, right_v = height_at(heap, place, u + step, v)
+        _, left_u, left_v = height_at(heap, place, u - step, v)
+        _, above_u, above_v = height_at(heap, place, u, v + step)
+        _, below_u, below_v = height_at(heap, place, u, v - step)
+        uu = (right_u - left_u) / (2 * step)
+        vv = (above_v - below_v) / (2 * step)
+        uv = (right_v - left_v + above_u - below_u) / (4 * step)
         determinant = uu * vv - uv * uv
         if abs(determinant) <= 1e-9 * (abs(uu * vv) + uv * uv) or determinant == 0:
             return False, u, v
-        u_step = (uv * s[2, 2] - vv * s[1, 2]) / determinant
-        v_step = (uv * s[1, 2] - uu * s[2, 2]) / determinant
+        u_step = (uv * v_slope - vv * u_slope) / determinant
+        v_step = (uv * u_slope - uu * v_slope) / determinant
         u, v = u + u_step, v + v_step
         if max(abs(u_step), abs(v_step)) < 1e-4 * step:
             return True, u, v

@@ -13,14 +13,39 @@ A curve is a stretch of numbers in a `heap`, found by the place of its first, wh
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
-from v3dcad.geometry.splines import basis, span_of, wrapped
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.linking import linked
+from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
 
 LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
+def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
+    degree, count = int(heap[place + 1]), int(heap[place + 2])
+    knots = place + 4
+    poles = knots + count
+    t = wrapped(t, heap[knots + degree], heap[poles - 1 - degree], heap[place + 3] > 0)
+    span = span_of(heap, knots, count, degree, t)
+    values, slopes = basis(heap, knots, span, degree, t)
+    x = y = z = w = dx = dy = dz = dw = 0.0
+    for r in range(degree + 1):
+        pole = poles + 4 * (span - degree + r)
+        x += values[r] * heap[pole]
+        y += values[r] * heap[pole + 1]
+        z += values[r] * heap[pole + 2]
+        w += values[r] * heap[pole + 3]
+        dx += slopes[r] * heap[pole]
+        dy += slopes[r] * heap[pole + 1]
+        dz += slopes[r] * heap[pole + 2]
+        dw += slopes[r] * heap[pole + 3]
+    x, y, z = x / w, y / w, z / w
+    return x, y, z, (dx - x * dw) / w, (dy - y * dw) / w, (dz - z * dw) / w
+
+
+@linked(types.UniTuple(FLOAT, 6)(HEAP, WORD, FLOAT), **COMPILED)
 def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
     """Point and tangent of a curve at parameter t: x, y, z, dx, dy, dz."""
     kind = int(heap[place])
@@ -45,33 +70,10 @@ def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def curve_points(heap, places, parameters):  # type: ignore[no-untyped-def]
     """Points (k, 3) of curves (k,) at parameters (k,)."""
     points = np.empty((len(places), 3))
     for k in range(len(places)):
         points[k, 0], points[k, 1], points[k, 2], _, _, _ = curve_at(heap, places[k], parameters[k])
     return points
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
-    degree, count = int(heap[place + 1]), int(heap[place + 2])
-    knots = place + 4
-    poles = knots + count
-    t = wrapped(t, heap[knots + degree], heap[poles - 1 - degree], heap[place + 3] > 0)
-    span = span_of(heap, knots, count, degree, t)
-    values, slopes = basis(heap, knots, span, degree, t)
-    x = y = z = w = dx = dy = dz = dw = 0.0
-    for r in range(degree + 1):
-        pole = poles + 4 * (span - degree + r)
-        x += values[r] * heap[pole]
-        y += values[r] * heap[pole + 1]
-        z += values[r] * heap[pole + 2]
-        w += values[r] * heap[pole + 3]
-        dx += slopes[r] * heap[pole]
-        dy += slopes[r] * heap[pole + 1]
-        dz += slopes[r] * heap[pole + 2]
-        dw += slopes[r] * heap[pole + 3]
-    x, y, z = x / w, y / w, z / w
-    return x, y, z, (dx - x * dw) / w, (dy - y * dw) / w, (dz - z * dw) / w

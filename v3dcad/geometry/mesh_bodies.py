@@ -11,6 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.exact import COMPILED, INLINED
 from v3dcad.model import Floats, Ints
 
 Flags = NDArray[np.bool_]
@@ -116,19 +117,31 @@ def body_bounds(vertices: Floats, triangles: Ints, body: Ints) -> tuple[Floats, 
     return low, high
 
 
-@njit(cache=True, nogil=True)
+@njit(**INLINED)
+def arm(vertices, node, point):  # type: ignore[no-untyped-def]
+    """The way from a point (3,) to a vertex: x, y, z."""
+    return vertices[node, 0] - point[0], vertices[node, 1] - point[1], vertices[node, 2] - point[2]
+
+
+@njit(**INLINED)
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(**COMPILED)
 def _solid_angle(vertices, triangles, point):  # type: ignore[no-untyped-def]
     """Solid angle of triangles seen from a point (van Oosterom and Strackee 1983)."""
     total = 0.0
-    for triangle in triangles:
-        a = vertices[triangle[0]] - point
-        b = vertices[triangle[1]] - point
-        c = vertices[triangle[2]] - point
-        la, lb, lc = np.sqrt(a @ a), np.sqrt(b @ b), np.sqrt(c @ c)
+    for triangle in range(len(triangles)):
+        a = arm(vertices, triangles[triangle, 0], point)
+        b = arm(vertices, triangles[triangle, 1], point)
+        c = arm(vertices, triangles[triangle, 2], point)
+        la, lb, lc = np.sqrt(_dot(a, a)), np.sqrt(_dot(b, b)), np.sqrt(_dot(c, c))
         volume = (
             a[0] * (b[1] * c[2] - b[2] * c[1])
             + a[1] * (b[2] * c[0] - b[0] * c[2])
             + a[2] * (b[0] * c[1] - b[1] * c[0])
         )
-        total += 2 * np.arctan2(volume, la * lb * lc + (a @ b) * lc + (b @ c) * la + (c @ a) * lb)
+        seen = la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
+        total += 2 * np.arctan2(volume, seen)
     return total

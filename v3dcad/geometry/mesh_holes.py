@@ -12,7 +12,8 @@ import numpy as np
 from numba import njit
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.mesh_bodies import sides_of
+from v3dcad.geometry.exact import COMPILED
+from v3dcad.geometry.mesh_bodies import arm, sides_of
 from v3dcad.model import Floats, Ints
 
 LONGEST_RIM = 1000
@@ -55,7 +56,7 @@ def patch(vertices: Floats, rim: Ints) -> Ints:
     return rim[_least_area(vertices[rim])]
 
 
-@njit(cache=True, nogil=True)
+@njit(**COMPILED)
 def _least_area(points):  # type: ignore[no-untyped-def]
     count = len(points)
     area = np.zeros((count, count))
@@ -64,12 +65,12 @@ def _least_area(points):  # type: ignore[no-untyped-def]
         for first in range(count - span):
             last = first + span
             best = np.inf
-            chord = points[last] - points[first]
+            chord = arm(points, last, points[first])
             for middle in range(first + 1, last):
-                arm = points[middle] - points[first]
-                x = chord[1] * arm[2] - chord[2] * arm[1]
-                y = chord[2] * arm[0] - chord[0] * arm[2]
-                z = chord[0] * arm[1] - chord[1] * arm[0]
+                there = arm(points, middle, points[first])
+                x = chord[1] * there[2] - chord[2] * there[1]
+                y = chord[2] * there[0] - chord[0] * there[2]
+                z = chord[0] * there[1] - chord[1] * there[0]
                 cost = np.sqrt(x * x + y * y + z * z) / 2
                 cost += area[first, middle] + area[middle, last]
                 if cost < best:
@@ -77,15 +78,18 @@ def _least_area(points):  # type: ignore[no-untyped-def]
                     apex[first, last] = middle
             area[first, last] = best
     triangles = np.empty((max(count - 2, 0), 3), np.int64)
-    written = 0
-    waiting = [(0, count - 1)]
-    while waiting:
-        first, last = waiting.pop()
+    waiting = np.empty((count + 1, 2), np.int64)
+    waiting[0, 0], waiting[0, 1] = 0, count - 1
+    top, written = 1, 0
+    while top > 0:
+        top -= 1
+        first, last = waiting[top, 0], waiting[top, 1]
         if last - first < 2:
             continue
         middle = apex[first, last]
-        triangles[written] = (first, middle, last)
+        triangles[written, 0], triangles[written, 1], triangles[written, 2] = first, middle, last
         written += 1
-        waiting.append((first, middle))
-        waiting.append((middle, last))
+        waiting[top, 1] = middle
+        waiting[top + 1, 0], waiting[top + 1, 1] = middle, last
+        top += 2
     return triangles

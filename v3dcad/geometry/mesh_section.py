@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
-from v3dcad.model import Floats, Ints, Mesh, Section
+from v3dcad.geometry.exact import COMPILED, INTERNAL
+from v3dcad.model import Floats, Ints, Mesh, Section, Value
 
 SNAP = 1e-9
 """mm: a node this close to a plane lies in it; a ring this thin has no area."""
@@ -38,7 +40,8 @@ BATCH = 4_000_000
 """Crossings held at a time: bounds the memory of a tall part with many planes."""
 
 
-class MeshEdges(NamedTuple):
+@dataclass(frozen=True, eq=False, slots=True)
+class MeshEdges(Value):
     """The edges of a closed mesh. Where 2m triangles share an edge it counts as m edges."""
 
     nodes: Ints
@@ -199,7 +202,7 @@ def plane_levels(heights: Floats, lowest: float) -> Floats:
     return np.maximum.accumulate(np.where(base, heights + SNAP, heights - SNAP))
 
 
-@njit(cache=True, nogil=True)
+@njit(**COMPILED)
 def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end, before):  # type: ignore[no-untyped-def]
     """Cross every triangle with its planes, then link the crossings of each plane into rings."""
     total = before[-1]
@@ -234,9 +237,9 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end,
     edges = np.empty(total, np.int64)
     walked = np.empty(total, np.int64)
     done = np.zeros(total, np.bool_)
-    starts = [0]
-    planes = [0]
-    written = 0
+    starts = np.zeros(total + 1, np.int64)
+    planes = np.empty(total, np.int64)
+    written = rings = 0
     for plane in range(len(heights)):
         for slot in range(before[plane], before[plane + 1]):
             follower[descent[slot]] = slot
@@ -251,7 +254,7 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end,
                 done[slot] = True
                 edges[written] = descent[slot]
                 walked[written] = crossed[slot]
-                low, high = edge_nodes[descent[slot]]
+                low, high = edge_nodes[descent[slot], 0], edge_nodes[descent[slot], 1]
                 rise_z = vertices[high, 2] - vertices[low, 2]
                 if abs(vertices[low, 2] - heights[plane]) < SNAP:
                     share = 0.0
@@ -267,19 +270,20 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end,
                 slot = follower[rise[slot]]
                 while opposite[slot] >= 0:
                     slot = follower[rise[opposite[slot]]]
-            if written > starts[-1]:
-                starts.append(written)
-                planes.append(plane)
+            if written > starts[rings]:
+                planes[rings] = plane
+                rings += 1
+                starts[rings] = written
     return (
         points[:written],
         edges[:written],
         walked[:written],
-        np.array(starts),
-        np.array(planes[1:], np.int64),
+        starts[: rings + 1].copy(),
+        planes[:rings].copy(),
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(**COMPILED)
 def tidy(points, starts):  # type: ignore[no-untyped-def]
     """Drop duplicate points, and rings thinner than `SNAP`.
 
@@ -303,12 +307,12 @@ def tidy(points, starts):  # type: ignore[no-untyped-def]
     return kept[:top], new_starts
 
 
-@njit(cache=True, nogil=True)
+@njit(**INTERNAL)
 def _differ(points, one, other):  # type: ignore[no-untyped-def]
     return points[one, 0] != points[other, 0] or points[one, 1] != points[other, 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(**INTERNAL)
 def is_thin(ring, width):  # type: ignore[no-untyped-def]
     """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
     area, length = 0.0, 0.0

@@ -7,10 +7,17 @@ Knots and poles lie in one array of numbers, the `heap`, at a given place: the e
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+
+from v3dcad.geometry.exact import INTERNAL
+
+FLOAT = types.float64
+HEAP = types.Array(FLOAT, 1, "C", readonly=True)
+ROWS = types.float64[:, ::1]
+"""What compiled code takes: a number, the heap, and points it may write to."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     """The i with knot i ≤ t < knot i + 1, of a clamped knot vector of `count` knots at `knots`.
 
@@ -28,7 +35,7 @@ def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     return low
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
     """Values and slopes (degree + 1,) of the basis functions that do not vanish on a span.
 
@@ -40,7 +47,8 @@ def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
     values[0] = 1.0
     for order in range(1, degree + 1):
         if order == degree:
-            lower[:] = values
+            for r in range(degree):
+                lower[r] = values[r]
         carried = 0.0
         for r in range(order):
             right = heap[knots + span + r + 1]
@@ -58,7 +66,7 @@ def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
     return values, slopes
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def wrapped(t, first, last, periodic):  # type: ignore[no-untyped-def]
     """The parameter t within first … last, where the curve is periodic."""
     if periodic and (t < first or t > last):

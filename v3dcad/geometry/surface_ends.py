@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.contours import Stretch, contours
+from v3dcad.geometry.exact import COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, project
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Layer, Run, Section
@@ -75,7 +76,7 @@ def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, 
     return points[ids], runs
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignore[no-untyped-def]
     """Ends (k, 2) moved along lines (k, 2) to where z(u, v) = height, by Newton's method.
 
@@ -83,32 +84,42 @@ def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignor
     the next ones where that leads off the face: along a seam corners lie on both of its sides.
     """
     moved = ends.copy()
-    low, high = np.array([np.inf, np.inf]), np.array([-np.inf, -np.inf])
-    for corner in corners:
-        low, high = np.minimum(low, corner), np.maximum(high, corner)
-    slack = 1e-9 * (high - low)
-    low, high = low - slack, high + slack
+    low_u = low_v = np.inf
+    high_u = high_v = -np.inf
+    for corner in range(len(corners)):
+        low_u, high_u = min(low_u, corners[corner, 0]), max(high_u, corners[corner, 0])
+        low_v, high_v = min(low_v, corners[corner, 1]), max(high_v, corners[corner, 1])
+    slack_u, slack_v = 1e-9 * (high_u - low_u), 1e-9 * (high_v - low_v)
     gaps = np.empty(len(nodes))
+    point = np.empty(3)
     for k in range(len(ends)):
-        point = np.array([ends[k, 0], ends[k, 1], height])
+        point[0], point[1], point[2] = ends[k, 0], ends[k, 1], height
         for corner in range(len(nodes)):
-            gap = nodes[corner] - point
-            gaps[corner] = gap @ gap
+            gaps[corner] = 0.0
+            for axis in range(3):
+                gaps[corner] += (nodes[corner, axis] - point[axis]) ** 2
         for _ in range(STARTS):
-            nearest = np.argmin(gaps)
-            u, v = project(heap, place, point, corners[nearest, 0], corners[nearest, 1])
+            nearest = 0
+            for corner in range(1, len(nodes)):
+                if gaps[corner] < gaps[nearest]:
+                    nearest = corner
+            start_u, start_v = corners[nearest, 0], corners[nearest, 1]
+            u, v = project(heap, place, point, start_u, start_v)
             u, v, x, y, settled = _solved(heap, place, height, ends[k], ways[k], u, v)
-            on_face = low[0] <= u <= high[0] and low[1] <= v <= high[1]
+            on_face = (
+                low_u - slack_u <= u <= high_u + slack_u
+                and low_v - slack_v <= v <= high_v + slack_v
+            )
             if settled and on_face and np.hypot(x - ends[k, 0], y - ends[k, 1]) < REACH:
                 moved[k, 0], moved[k, 1] = x, y
                 break
             for corner in range(len(nodes)):  # not from here again
-                if np.all(corners[corner] == corners[nearest]):
+                if corners[corner, 0] == start_u and corners[corner, 1] == start_v:
                     gaps[corner] = np.inf
     return moved
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def _solved(heap, place, height, end, way, u, v):  # type: ignore[no-untyped-def]
     """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
     length = np.hypot(way[0], way[1])

@@ -17,9 +17,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
 from v3dcad.geometry.curves import LINE, curve_at
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.linking import linked
+from v3dcad.geometry.splines import FLOAT, HEAP
 from v3dcad.geometry.surfaces import PLANE, height_at, surface_at
 from v3dcad.model import Floats, Ints, Value
 
@@ -58,7 +61,7 @@ class SurfaceMesh(Value):
     (`gapes`), else 0"""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def depth(corners, u, v):  # type: ignore[no-untyped-def]
     """The least barycentric coordinate of (u, v) in a triangle (3, 2); −inf if it is flat."""
     a, b, c = corners[0], corners[1], corners[2]
@@ -70,7 +73,7 @@ def depth(corners, u, v):  # type: ignore[no-untyped-def]
     return min(beside_b, beside_c, 1 - beside_b - beside_c)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-def]
     """Point at a share of the way along a mesh edge, and its z slope: x, y, z, dz/dshare."""
     if curve >= 0:
@@ -82,7 +85,7 @@ def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-de
     return s[0, 0], s[0, 1], s[0, 2], s[1, 2] * u_step + s[2, 2] * v_step
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
 def _height_along(heap, surface, curve, span, share):  # type: ignore[no-untyped-def]
     """The z and dz/dshare of `along_edge`."""
     if curve >= 0:
@@ -96,16 +99,18 @@ def _height_along(heap, surface, curve, span, share):  # type: ignore[no-untyped
     return z, u_slope * u_step + v_slope * v_step
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def turning_points(heap, surfaces, faces, curves, spans):  # type: ignore[no-untyped-def]
     """(e, 2) `turning_point` of every edge."""
     turns = np.empty((len(faces), 2))
     for edge in range(len(faces)):
-        turns[edge] = turning_point(heap, surfaces[faces[edge]], curves[edge], spans[edge])
+        turns[edge, 0], turns[edge, 1] = turning_point(
+            heap, surfaces[faces[edge]], curves[edge], spans[edge]
+        )
     return turns
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, WORD, HEAP), **INTERNAL)
 def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     """Share of the way at which an edge's height turns the most, and by how much above or below
     its nearer end (mm); 0 and 0 if it is monotone.
@@ -135,17 +140,19 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     return found, best
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **INTERNAL)
 def project(heap, surface, point, u, v):  # type: ignore[no-untyped-def]
     """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
     for _ in range(20):
         s = surface_at(heap, surface, u, v)
-        gap = point - s[0]
-        uu, uv, vv = s[1] @ s[1], s[1] @ s[2], s[2] @ s[2]
+        uu = uv = vv = a = b = 0.0
+        for axis in range(3):
+            gap, along_u, along_v = point[axis] - s[0, axis], s[1, axis], s[2, axis]
+            uu, uv, vv = uu + along_u * along_u, uv + along_u * along_v, vv + along_v * along_v
+            a, b = a + along_u * gap, b + along_v * gap
         determinant = uu * vv - uv * uv
         if determinant <= 1e-14 * uu * vv:
             break
-        a, b = s[1] @ gap, s[2] @ gap
         u_step = (vv * a - uv * b) / determinant
         v_step = (uu * b - uv * a) / determinant
         u, v = u + u_step, v + v_step

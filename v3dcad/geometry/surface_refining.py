@@ -116,9 +116,10 @@ def _refine(  # type: ignore[no-untyped-def]
                 inside = depth(mesh.corners[piece], u, v)
                 if inside > deepest:
                     parent, deepest = piece, inside
-        seed_of[triangle_count - known : triangle_count - known + 2] = seeds[seed]
+        for piece in range(triangle_count - known, triangle_count - known + 2):
+            seed_of[piece] = seeds[seed]
         _insert(mesh, parent, u, v, node, triangle_count, edge_count)
-        mesh.nodes[node] = surface_at(heap, surfaces[mesh.faces[parent]], u, v)[0]
+        _set_node(mesh, node, heap, surfaces[mesh.faces[parent]], u, v)
         node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
     for edge in range(first_edge, edge_count):
         _look(waiting, heap, surfaces, mesh, edge)
@@ -162,21 +163,21 @@ def _insert(  # type: ignore[no-untyped-def]
     """Divide a triangle into three at (u, v), where `node` is; rows from `triangle` and `edge` on
     become the two new ones and the three spokes.
     """
-    old, old_sides, at = (
-        mesh.triangles[parent].copy(),
-        mesh.sides[parent].copy(),
-        mesh.corners[parent].copy(),
-    )
-    for k in range(3):
+    face = mesh.faces[parent]
+    for k in (1, 2, 0):  # the child that takes the parent's rows comes last
         after = (k + 1) % 3
         child = parent if k == 0 else triangle + k - 1
         before = parent if k == 1 else triangle + (k + 1) % 3
-        _set_edge(mesh, edge + k, node, old[k], mesh.faces[parent], -1, u, v, at[k, 0], at[k, 1])
-        mesh.faces[child] = mesh.faces[parent]
-        _set_triangle(mesh, child, node, old[k], old[after], edge + k, old_sides[k], edge + after)
-        mesh.corners[child, 0, 0], mesh.corners[child, 0, 1] = u, v
-        mesh.corners[child, 1], mesh.corners[child, 2] = at[k], at[after]
-        _hand_over(mesh, old_sides[k], parent, child)
+        first, first_u, first_v, side = _corner(mesh, parent, k)
+        last, last_u, last_v, _ = _corner(mesh, parent, after)
+        _set_edge(mesh, edge + k, node, first, face, -1, u, v, first_u, first_v)
+        corners = (
+            (node, u, v, edge + k),
+            (first, first_u, first_v, side),
+            (last, last_u, last_v, edge + after),
+        )
+        _set_triangle(mesh, child, face, corners)
+        _hand_over(mesh, side, parent, child)
         mesh.owners[edge + k, 0], mesh.owners[edge + k, 1] = before, child
 
 
@@ -186,7 +187,8 @@ def _cut_edge(  # type: ignore[no-untyped-def]
 ):
     """Cut an edge at a share of its way, where `node` is to be; `rest` becomes what follows."""
     face, curve, last = mesh.edge_faces[edge], mesh.edge_curves[edge], mesh.edge_nodes[edge, 1]
-    a, b, c, d = mesh.edge_spans[edge]
+    a, b = mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1]
+    c, d = mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3]
     if curve >= 0:
         at = a + share * (b - a)
         x, y, z, _, _, _ = curve_at(heap, curve, at)
@@ -195,7 +197,7 @@ def _cut_edge(  # type: ignore[no-untyped-def]
         _set_edge(mesh, rest, node, last, face, curve, at, b, 0.0, 0.0)
     else:
         u, v = a + share * (c - a), b + share * (d - b)
-        mesh.nodes[node] = surface_at(heap, surfaces[face], u, v)[0]
+        _set_node(mesh, node, heap, surfaces[face], u, v)
         mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = u, v
         _set_edge(mesh, rest, node, last, face, curve, u, v, c, d)
     mesh.edge_nodes[edge, 1] = node
@@ -215,28 +217,20 @@ def _bisect(  # type: ignore[no-untyped-def]
     while k < 2 and mesh.sides[triangle, k] != edge:
         k += 1
     after, before = (k + 1) % 3, (k + 2) % 3
-    a, b, c = (
-        mesh.triangles[triangle, k],
-        mesh.triangles[triangle, after],
-        mesh.triangles[triangle, before],
-    )
-    side_bc, side_ca = mesh.sides[triangle, after], mesh.sides[triangle, before]
-    at_a = mesh.corners[triangle, k].copy()
-    at_b, at_c = mesh.corners[triangle, after].copy(), mesh.corners[triangle, before].copy()
+    a, a_u, a_v, _ = _corner(mesh, triangle, k)
+    b, b_u, b_v, side_bc = _corner(mesh, triangle, after)
+    c, c_u, c_v, side_ca = _corner(mesh, triangle, before)
     forward = a == first
     portion = share if forward else 1 - share
-    u, v = at_a[0] + portion * (at_b[0] - at_a[0]), at_a[1] + portion * (at_b[1] - at_a[1])
+    u, v = a_u + portion * (b_u - a_u), a_v + portion * (b_v - a_v)
     if mesh.edge_curves[edge] >= 0:
         u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
-    _set_edge(mesh, middle, node, c, face, -1, u, v, at_c[0], at_c[1])
+    _set_edge(mesh, middle, node, c, face, -1, u, v, c_u, c_v)
     near, far = (edge, rest) if forward else (rest, edge)
-    _set_triangle(mesh, triangle, a, node, c, near, middle, side_ca)
-    _set_triangle(mesh, beyond, node, b, c, far, side_bc, middle)
-    mesh.faces[beyond] = face
-    mesh.corners[triangle, 0], mesh.corners[triangle, 2] = at_a, at_c
-    mesh.corners[triangle, 1, 0], mesh.corners[triangle, 1, 1] = u, v
-    mesh.corners[beyond, 0, 0], mesh.corners[beyond, 0, 1] = u, v
-    mesh.corners[beyond, 1], mesh.corners[beyond, 2] = at_b, at_c
+    corners = (a, a_u, a_v, near), (node, u, v, middle), (c, c_u, c_v, side_ca)
+    _set_triangle(mesh, triangle, face, corners)
+    corners = (node, u, v, far), (b, b_u, b_v, side_bc), (c, c_u, c_v, middle)
+    _set_triangle(mesh, beyond, face, corners)
     mesh.owners[middle, 0], mesh.owners[middle, 1] = triangle, beyond
     _hand_over(mesh, side_bc, triangle, beyond)
     return forward
@@ -253,13 +247,25 @@ def _set_edge(  # type: ignore[no-untyped-def]
 
 
 @njit(**INTERNAL)
-def _set_triangle(mesh, triangle, a, b, c, side_ab, side_bc, side_ca):  # type: ignore[no-untyped-def]
-    mesh.triangles[triangle, 0], mesh.triangles[triangle, 1], mesh.triangles[triangle, 2] = a, b, c
-    mesh.sides[triangle, 0], mesh.sides[triangle, 1], mesh.sides[triangle, 2] = (
-        side_ab,
-        side_bc,
-        side_ca,
-    )
+def _set_node(mesh, node, heap, place, u, v):  # type: ignore[no-untyped-def]
+    s = surface_at(heap, place, u, v)
+    mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = s[0, 0], s[0, 1], s[0, 2]
+
+
+@njit(**INTERNAL)
+def _corner(mesh, triangle, corner):  # type: ignore[no-untyped-def]
+    """The node of a triangle's corner, its u and v, and the edge from there to the next."""
+    u, v = mesh.corners[triangle, corner, 0], mesh.corners[triangle, corner, 1]
+    return mesh.triangles[triangle, corner], u, v, mesh.sides[triangle, corner]
+
+
+@njit(**INTERNAL)
+def _set_triangle(mesh, triangle, face, corners):  # type: ignore[no-untyped-def]
+    """Each corner as `_corner` tells it."""
+    mesh.faces[triangle] = face
+    for k in range(3):
+        mesh.triangles[triangle, k], u, v, mesh.sides[triangle, k] = corners[k]
+        mesh.corners[triangle, k, 0], mesh.corners[triangle, k, 1] = u, v
 
 
 @njit(**INTERNAL)

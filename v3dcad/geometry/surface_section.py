@@ -16,6 +16,7 @@ from numba import njit
 
 from v3dcad.geometry.conics import POINTS, conic_at
 from v3dcad.geometry.curves import LINE
+from v3dcad.geometry.exact import COMPILED
 from v3dcad.geometry.gapes import mended
 from v3dcad.geometry.mesh_section import (
     SNAP,
@@ -137,7 +138,7 @@ def _sections(
         )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def _roots(  # type: ignore[no-untyped-def]
     heap, surfaces, nodes, edge_nodes, edge_faces, edge_curves, edge_spans, chords, edges, heights
 ):
@@ -160,7 +161,7 @@ def _roots(  # type: ignore[no-untyped-def]
             done = heap[curve] == LINE
         else:
             # Inside a face that is cut in a known curve, points only tell which way it goes.
-            x, y = points[index]
+            x, y = points[index, 0], points[index, 1]
             done = conic_at(heap, place, height, x, y)[0] != POINTS
         if not done:
             low, high = 0.0, 1.0

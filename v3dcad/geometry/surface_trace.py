@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
 from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, conic_at
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.mesh_section import SNAP, is_thin
+from v3dcad.geometry.splines import FLOAT, HEAP, ROWS
 from v3dcad.geometry.surfaces import surface_at
+
+PLACE = types.UniTuple(FLOAT, 4)
+"""A point of a level line on a surface: x, y, u, v."""
 
 MOST_HALVINGS = 10
 """Of the stretch between two mesh edges."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**COMPILED)
 def trace(  # type: ignore[no-untyped-def]
     heap,
     surfaces,
@@ -70,22 +75,28 @@ def trace(  # type: ignore[no-untyped-def]
                 last = begin + (turn + stop) % length
                 if points[here, 0] != points[last, 0] or points[here, 1] != points[last, 1]:
                     out = _with_room(out, written, 1)
-                    out[written] = points[here]
+                    out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
                     written += 1
             elif curve in (CIRCLE, ELLIPSE):
+                angle = before = _direction(points[here, 0], points[here, 1], a, b, c, d, ratio)
                 swept = 0.0
-                for j in range(k, stop):
-                    one = points[begin + (turn + j) % length]
-                    other = points[begin + (turn + j + 1) % length]
-                    swept += _angle(one, other, a, b, c, d, ratio)
+                for j in range(k + 1, stop + 1):
+                    other = begin + (turn + j) % length
+                    after = _direction(points[other, 0], points[other, 1], a, b, c, d, ratio)
+                    way = after - before
+                    if way > np.pi:  # the next point is less than half a turn away
+                        way -= 2 * np.pi
+                    elif way <= -np.pi:
+                        way += 2 * np.pi
+                    swept += way
+                    before = after
                 major = np.hypot(c, d)
                 step = 2 * np.arccos(max(1 - tolerance / major, 0.5)) if major > 0 else np.pi
                 pieces = int(np.ceil(abs(swept) / step))
-                angle = _direction(points[here], a, b, c, d, ratio)
                 out = _with_room(out, written, pieces)
                 for j in range(pieces):
                     if j == 0 and not alone:
-                        out[written] = points[here]
+                        out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
                     else:
                         cosine = np.cos(angle + swept * j / pieces)
                         sine = np.sin(angle + swept * j / pieces) * ratio
@@ -98,31 +109,11 @@ def trace(  # type: ignore[no-untyped-def]
                     other = begin + (turn + j + 1) % length
                     if points[one, 0] == points[other, 0] and points[one, 1] == points[other, 1]:
                         continue
-                    triangle = crossed[one]
                     out = _with_room(out, written, 2**MOST_HALVINGS)
-                    written = _follow(
-                        heap,
-                        place,
-                        height,
-                        points[one],
-                        points[other],
-                        _parameters(
-                            triangle, one, triangles, corners, sides, edge_nodes, edges, shares
-                        ),
-                        _parameters(
-                            triangle,
-                            begin + (one - begin + 1) % length,
-                            triangles,
-                            corners,
-                            sides,
-                            edge_nodes,
-                            edges,
-                            shares,
-                        ),
-                        tolerance,
-                        out,
-                        written,
-                    )
+                    mesh = triangles, corners, sides, edge_nodes
+                    start = _crossing(*mesh, crossed[one], points, shares, edges, one)
+                    end = _crossing(*mesh, crossed[one], points, shares, edges, other)
+                    written = _follow(heap, place, height, start, end, tolerance, out, written)
             if written > run_start:
                 runs[made, 0] = ring
                 runs[made, 1] = run_start - base
@@ -139,85 +130,51 @@ def trace(  # type: ignore[no-untyped-def]
     return out[:written].copy(), new_starts, runs[:made], numbers[:made]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(ROWS(ROWS, WORD, WORD), **INTERNAL)
 def _with_room(out, written, more):  # type: ignore[no-untyped-def]
     """The array, or its content in a greater one if it has no room for more rows."""
     if written + more <= len(out):
         return out
     grown = np.empty((2 * (written + more), 2))
-    grown[:written] = out[:written]
+    for row in range(written):
+        grown[row, 0], grown[row, 1] = out[row, 0], out[row, 1]
     return grown
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _direction(point, a, b, c, d, ratio):  # type: ignore[no-untyped-def]
+@njit(**INTERNAL)
+def _direction(x, y, a, b, c, d, ratio):  # type: ignore[no-untyped-def]
     """The angle of a point on an ellipse, in the circle that the ellipse is squeezed from."""
-    x, y = point[0] - a, point[1] - b
+    x, y = x - a, y - b
     return np.arctan2((y * c - x * d) / ratio, x * c + y * d)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _angle(one, other, a, b, c, d, ratio):  # type: ignore[no-untyped-def]
-    """The angle from one point to the next, which is less than half a turn away."""
-    swept = _direction(other, a, b, c, d, ratio) - _direction(one, a, b, c, d, ratio)
-    if swept > np.pi:
-        return swept - 2 * np.pi
-    if swept <= -np.pi:
-        return swept + 2 * np.pi
-    return swept
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _parameters(triangle, crossing, triangles, corners, sides, edge_nodes, edges, shares):  # type: ignore[no-untyped-def]
-    """Parameters (2,) on a triangle's surface of a crossing on one of its sides."""
+@njit(**INTERNAL)
+def _crossing(  # type: ignore[no-untyped-def]
+    triangles, corners, sides, edge_nodes, triangle, points, shares, edges, crossing
+):
+    """A crossing on one of a triangle's sides: x, y, and its parameters on the surface."""
     edge, share = edges[crossing], shares[crossing]
+    u, v = corners[triangle, 0, 0], corners[triangle, 0, 1]
     for k in range(3):
         if sides[triangle, k] == edge:
             if triangles[triangle, k] != edge_nodes[edge, 0]:
                 share = 1 - share
-            return (1 - share) * corners[triangle, k] + share * corners[triangle, (k + 1) % 3]
-    return corners[triangle, 0].copy()
+            after = (k + 1) % 3
+            u = (1 - share) * corners[triangle, k, 0] + share * corners[triangle, after, 0]
+            v = (1 - share) * corners[triangle, k, 1] + share * corners[triangle, after, 1]
+            break
+    return points[crossing, 0], points[crossing, 1], u, v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _follow(heap, place, height, one, other, at_one, at_other, tolerance, out, written):  # type: ignore[no-untyped-def]
-    """Write the first point and what is needed between it and the other, which is not written."""
-    depth = 0
-    ends = np.empty((MOST_HALVINGS + 2, 4))
-    halvings = np.zeros(MOST_HALVINGS + 2, np.int64)
-    ends[0, :2], ends[0, 2:] = other, at_other
-    here, at_here = one.copy(), at_one.copy()
-    while depth >= 0:
-        there, at_there = ends[depth, :2], ends[depth, 2:]
-        halved = False
-        if halvings[depth] < MOST_HALVINGS:
-            solved, x, y, u, v = between(heap, place, height, here, there, at_here, at_there)
-            if solved:
-                chord_x, chord_y = there[0] - here[0], there[1] - here[1]
-                away = (x - here[0]) * chord_y - (y - here[1]) * chord_x
-                if abs(away) > tolerance * np.hypot(chord_x, chord_y):
-                    halvings[depth] += 1
-                    depth += 1
-                    halvings[depth] = halvings[depth - 1]
-                    ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = x, y, u, v
-                    halved = True
-        if not halved:
-            out[written] = here
-            written += 1
-            here, at_here = there.copy(), at_there.copy()
-            depth -= 1
-    return written
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def between(heap, place, height, one, other, at_one, at_other):  # type: ignore[no-untyped-def]
+@njit(**INTERNAL)
+def _between(heap, place, height, one, other):  # type: ignore[no-untyped-def]
     """The point of the level line half way between two of its points: Newton's method on
     z(u, v) = height and (x, y) on the perpendicular bisector.
     """
     chord_x, chord_y = other[0] - one[0], other[1] - one[1]
     middle_x, middle_y = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
     length = np.hypot(chord_x, chord_y)
-    u, v = (at_one[0] + at_other[0]) / 2, (at_one[1] + at_other[1]) / 2
+    u, v = (one[2] + other[2]) / 2, (one[3] + other[3]) / 2
     if length == 0.0:
         return False, middle_x, middle_y, u, v
     settled = False
@@ -238,3 +195,36 @@ def between(heap, place, height, one, other, at_one, at_other):  # type: ignore[
         u -= (rise * v_along - s[2, 2] * along) / determinant
         v -= (s[1, 2] * along - u_along * rise) / determinant
     return False, middle_x, middle_y, u, v
+
+
+@njit(WORD(HEAP, WORD, FLOAT, PLACE, PLACE, FLOAT, ROWS, WORD), **INTERNAL)
+def _follow(heap, place, height, one, other, tolerance, out, written):  # type: ignore[no-untyped-def]
+    """Write the first point and what is needed between it and the other, which is not written.
+
+    Both are x, y and parameters u, v.
+    """
+    depth = 0
+    ends = np.empty((MOST_HALVINGS + 2, 4))
+    halvings = np.zeros(MOST_HALVINGS + 2, np.int64)
+    ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = other
+    here = one
+    while depth >= 0:
+        there = ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3]
+        halved = False
+        if halvings[depth] < MOST_HALVINGS:
+            solved, x, y, u, v = _between(heap, place, height, here, there)
+            if solved:
+                chord_x, chord_y = there[0] - here[0], there[1] - here[1]
+                away = (x - here[0]) * chord_y - (y - here[1]) * chord_x
+                if abs(away) > tolerance * np.hypot(chord_x, chord_y):
+                    halvings[depth] += 1
+                    depth += 1
+                    halvings[depth] = halvings[depth - 1]
+                    ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = x, y, u, v
+                    halved = True
+        if not halved:
+            out[written, 0], out[written, 1] = here[0], here[1]
+            written += 1
+            here = there
+            depth -= 1
+    return written

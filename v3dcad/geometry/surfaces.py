@@ -19,10 +19,12 @@ kind. `frame` is origin, x, y and z axis, 12 numbers:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.splines import basis, span_of, wrapped
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.linking import linked
+from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
 
 (
     PLANE,
@@ -36,25 +38,65 @@ from v3dcad.geometry.splines import basis, span_of, wrapped
     OFFSET,
 ) = range(9)
 
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
-    """Point and tangents of a surface at (u, v), as an array (3, 3): S, ∂S/∂u, ∂S/∂v."""
-    if int(heap[place]) == OFFSET:
-        return _offset_at(heap, place, u, v)
-    return _plain_at(heap, place, u, v)
+SURFACE_AT = types.float64[:, ::1](HEAP, WORD, FLOAT, FLOAT)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def surface_points(heap, places, parameters):  # type: ignore[no-untyped-def]
-    """Points (k, 3) of surfaces (k,) at parameters (k, 2)."""
-    points = np.empty((len(places), 3))
-    for k in range(len(places)):
-        points[k] = surface_at(heap, places[k], parameters[k, 0], parameters[k, 1])[0]
-    return points
+@njit(**INTERNAL)
+def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
+    """The line or circle that makes a cylinder, cone, sphere or torus when turned about z: its
+    reach from z, its rise along z, and their slopes.
+    """
+    kind, radius = int(heap[place]), heap[place + 13]
+    if kind == CYLINDER:
+        return radius, v, 0.0, 1.0
+    if kind == CONE:
+        sine, cosine = heap[place + 14], heap[place + 15]
+        return radius + v * sine, v * cosine, sine, cosine
+    if kind == SPHERE:
+        reach, rise = radius * np.cos(v), radius * np.sin(v)
+        return reach, rise, -rise, reach
+    small = heap[place + 14]
+    along, rise = small * np.cos(v), small * np.sin(v)
+    return radius + along, rise, -rise, along
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
+def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
+    v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
+    u_knots = place + 7
+    v_knots = u_knots + u_count
+    poles = v_knots + v_count
+    columns = v_count - v_degree - 1
+    u = wrapped(u, heap[u_knots + u_degree], heap[v_knots - 1 - u_degree], heap[place + 3] > 0)
+    v = wrapped(v, heap[v_knots + v_degree], heap[poles - 1 - v_degree], heap[place + 6] > 0)
+    u_span = span_of(heap, u_knots, u_count, u_degree, u)
+    v_span = span_of(heap, v_knots, v_count, v_degree, v)
+    u_values, u_slopes = basis(heap, u_knots, u_span, u_degree, u)
+    v_values, v_slopes = basis(heap, v_knots, v_span, v_degree, v)
+    total = np.zeros((3, 4))
+    for i in range(u_degree + 1):
+        row = poles + 4 * ((u_span - u_degree + i) * columns + v_span - v_degree)
+        for j in range(v_degree + 1):
+            value = u_values[i] * v_values[j]
+            u_slope = u_slopes[i] * v_values[j]
+            v_slope = u_values[i] * v_slopes[j]
+            for axis in range(4):
+                number = heap[row + 4 * j + axis]
+                total[0, axis] += value * number
+                total[1, axis] += u_slope * number
+                total[2, axis] += v_slope * number
+    result = np.empty((3, 3))
+    weight = total[0, 3]
+    for axis in range(3):
+        point = total[0, axis] / weight
+        result[0, axis] = point
+        result[1, axis] = (total[1, axis] - point * total[1, 3]) / weight
+        result[2, axis] = (total[2, axis] - point * total[2, 3]) / weight
+    return result
+
+
+@linked(SURFACE_AT, **INTERNAL)
 def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     kind = int(heap[place])
     if kind == SPLINE_SURFACE:
@@ -113,26 +155,40 @@ def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
-    """The line or circle that makes a cylinder, cone, sphere or torus when turned about z: its
-    reach from z, its rise along z, and their slopes.
-    """
-    kind, radius = int(heap[place]), heap[place + 13]
-    if kind == CYLINDER:
-        return radius, v, 0.0, 1.0
-    if kind == CONE:
-        sine, cosine = heap[place + 14], heap[place + 15]
-        return radius + v * sine, v * cosine, sine, cosine
-    if kind == SPHERE:
-        reach, rise = radius * np.cos(v), radius * np.sin(v)
-        return reach, rise, -rise, reach
-    small = heap[place + 14]
-    along, rise = small * np.cos(v), small * np.sin(v)
-    return radius + along, rise, -rise, along
+@njit(**INTERNAL)
+def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
+    s = _plain_at(heap, int(heap[place + 2]), u, v)
+    x = s[1, 1] * s[2, 2] - s[1, 2] * s[2, 1]
+    y = s[1, 2] * s[2, 0] - s[1, 0] * s[2, 2]
+    z = s[1, 0] * s[2, 1] - s[1, 1] * s[2, 0]
+    share = heap[place + 1] / np.sqrt(x * x + y * y + z * z)
+    return s[0, 0] + share * x, s[0, 1] + share * y, s[0, 2] + share * z
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**INTERNAL)
+def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    """The point is exact; the tangents, which only steer Newton steps, are differences."""
+    step = 1e-6
+    point = _offset_point(heap, place, u, v)
+    right, left = _offset_point(heap, place, u + step, v), _offset_point(heap, place, u - step, v)
+    above, below = _offset_point(heap, place, u, v + step), _offset_point(heap, place, u, v - step)
+    result = np.empty((3, 3))
+    for axis in range(3):
+        result[0, axis] = point[axis]
+        result[1, axis] = (right[axis] - left[axis]) / (2 * step)
+        result[2, axis] = (above[axis] - below[axis]) / (2 * step)
+    return result
+
+
+@linked(SURFACE_AT, **COMPILED)
+def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+    """Point and tangents of a surface at (u, v), as an array (3, 3): S, ∂S/∂u, ∂S/∂v."""
+    if int(heap[place]) == OFFSET:
+        return _offset_at(heap, place, u, v)
+    return _plain_at(heap, place, u, v)
+
+
+@linked(types.UniTuple(FLOAT, 3)(HEAP, WORD, FLOAT, FLOAT), **INTERNAL)
 def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
     kind = int(heap[place])
@@ -150,56 +206,11 @@ def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
-    u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
-    v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
-    u_knots = place + 7
-    v_knots = u_knots + u_count
-    poles = v_knots + v_count
-    columns = v_count - v_degree - 1
-    u = wrapped(u, heap[u_knots + u_degree], heap[v_knots - 1 - u_degree], heap[place + 3] > 0)
-    v = wrapped(v, heap[v_knots + v_degree], heap[poles - 1 - v_degree], heap[place + 6] > 0)
-    u_span = span_of(heap, u_knots, u_count, u_degree, u)
-    v_span = span_of(heap, v_knots, v_count, v_degree, v)
-    u_values, u_slopes = basis(heap, u_knots, u_span, u_degree, u)
-    v_values, v_slopes = basis(heap, v_knots, v_span, v_degree, v)
-    total = np.zeros((3, 4))
-    for i in range(u_degree + 1):
-        row = poles + 4 * ((u_span - u_degree + i) * columns + v_span - v_degree)
-        for j in range(v_degree + 1):
-            value = u_values[i] * v_values[j]
-            u_slope = u_slopes[i] * v_values[j]
-            v_slope = u_values[i] * v_slopes[j]
-            for axis in range(4):
-                number = heap[row + 4 * j + axis]
-                total[0, axis] += value * number
-                total[1, axis] += u_slope * number
-                total[2, axis] += v_slope * number
-    result = np.empty((3, 3))
-    weight = total[0, 3]
-    for axis in range(3):
-        point = total[0, axis] / weight
-        result[0, axis] = point
-        result[1, axis] = (total[1, axis] - point * total[1, 3]) / weight
-        result[2, axis] = (total[2, axis] - point * total[2, 3]) / weight
-    return result
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
-    """The point is exact; the tangents, which only steer Newton steps, are differences."""
-    step = 1e-6
-    result = np.empty((3, 3))
-    result[0] = _offset_point(heap, place, u, v)
-    result[1] = _offset_point(heap, place, u + step, v) - _offset_point(heap, place, u - step, v)
-    result[2] = _offset_point(heap, place, u, v + step) - _offset_point(heap, place, u, v - step)
-    result[1:] /= 2 * step
-    return result
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
-    base = _plain_at(heap, int(heap[place + 2]), u, v)
-    normal = np.cross(base[1], base[2])
-    return base[0] + heap[place + 1] / np.sqrt(normal @ normal) * normal
+@njit(**COMPILED)
+def surface_points(heap, places, parameters):  # type: ignore[no-untyped-def]
+    """Points (k, 3) of surfaces (k,) at parameters (k, 2)."""
+    points = np.empty((len(places), 3))
+    for k in range(len(places)):
+        s = surface_at(heap, places[k], parameters[k, 0], parameters[k, 1])
+        points[k, 0], points[k, 1], points[k, 2] = s[0, 0], s[0, 1], s[0, 2]
+    return points

@@ -1,0 +1,87 @@
+"""Linked functions: called by name, not taken into their callers, and found again from a cache."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numba import njit, types
+
+from v3dcad.geometry.exact import COMPILED
+from v3dcad.geometry.linking import linked
+
+NUMBERS = types.Array(types.float64, 1, "C", readonly=True)
+UNCACHED = {**COMPILED, "cache": False}
+
+
+@linked(types.float64[::1](NUMBERS, types.int64, types.float64), **UNCACHED)
+def scaled(numbers, count, factor):  # type: ignore[no-untyped-def]
+    if count > len(numbers):
+        raise ValueError("too many")
+    found = np.empty(count)
+    for k in range(count):
+        found[k] = factor * numbers[k]
+    return found
+
+
+@njit(**UNCACHED)
+def total(numbers, count):  # type: ignore[no-untyped-def]
+    sums = 0.0
+    for number in scaled(numbers, count, 2):
+        sums += number
+    return sums + scaled(numbers, 1, 0.5)[0]
+
+
+def test_compiled_code_calls_it_with_whatever_can_be_converted() -> None:
+    numbers = np.array([3.0, 4.0, 5.0])
+    frozen = numbers.copy()
+    frozen.flags.writeable = False
+    assert scaled(frozen, 2, 3.0).tolist() == [9.0, 12.0]
+    assert total(numbers, 2) == total(frozen, 2) == 15.5
+
+
+def test_its_errors_are_its_callers() -> None:
+    with pytest.raises(ValueError, match="too many"):
+        total(np.zeros(3), 4)
+
+
+def test_callers_hold_its_name_and_not_its_code() -> None:
+    total(np.zeros(3), 3)
+    for code in total.inspect_llvm().values():
+        lines = [line for line in code.splitlines() if f"{__name__}.scaled" in line]
+        assert any(line.startswith("declare") for line in lines)
+        assert not any(line.startswith("define") for line in lines)
+        assert "too many" not in code
+
+
+def test_a_cached_caller_finds_it_in_another_process(tmp_path: Path) -> None:
+    (tmp_path / "halves.py").write_text(
+        "from numba import njit, types\n"
+        "from v3dcad.geometry.linking import linked\n"
+        "@linked(types.float64(types.float64), cache=True)\n"
+        "def half(number):\n"
+        "    return number / 2\n"
+        "@njit(cache=True)\n"
+        "def quarter(number):\n"
+        "    return half(half(number))\n"
+    )
+    show = (
+        "import halves; print(halves.quarter(6.0), sum(halves.quarter.stats.cache_hits.values()))"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", show], capture_output=True, encoding="utf-8", check=True,
+            cwd=tmp_path,
+            env={
+                **os.environ,
+                "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path]),
+                "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+            },
+        ).stdout
+        for _ in range(2)
+    ]  # fmt: skip
+    assert said == ["1.5 0\n", "1.5 1\n"]
