@@ -20,11 +20,12 @@ from v3dcad.geometry.inside import (
     drop_vertices,
     settle_edges,
 )
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.walk import INTO, INTS, ROWS
 from v3dcad.geometry.winding import UNKNOWN, chain, wind
 
 
-@njit(types.void(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
+@linked(types.void(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
 def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  # type: ignore[no-untyped-def]
     """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
     cross now or crossed before.

@@ -8,6 +8,7 @@ from numba import njit, types
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.flips import ACROSS, MESH
 from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.walk import (
     FLOAT,
     FLOAT_ROWS,
@@ -22,7 +23,7 @@ from v3dcad.geometry.walk import (
 )
 
 
-@njit(
+@linked(
     types.UniTuple(WORD, 2)(
         MESH,
         CUT,

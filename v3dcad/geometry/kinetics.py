@@ -51,6 +51,7 @@ from v3dcad.geometry.flips import (
     split,
 )
 from v3dcad.geometry.grid import HEAVIEST
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.triangulation import build
 from v3dcad.model import Ints
 
@@ -144,7 +145,7 @@ def end_all(mesh, motion):  # type: ignore[no-untyped-def]
             _end_strut(mesh, motion, triangle)
 
 
-@njit(WORD(MESH, MOTION, WORD), **COMPILED)
+@linked(WORD(MESH, MOTION, WORD), **COMPILED)
 def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
     """Bring the triangulation to a later whole time. Says how that has ended: `ADVANCED`, or short
     of it, to be gone on with after `resumed`.

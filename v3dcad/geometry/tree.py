@@ -27,6 +27,7 @@ from v3dcad.geometry.flips import (
 )
 from v3dcad.geometry.inside import CHANGED, CROSSED, CUT, WHOLE
 from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
+from v3dcad.geometry.linking import linked
 
 MASK = (1 << 32) - 1
 FEW = 8
@@ -244,7 +245,7 @@ def _hang_all(tree, points, branches):  # type: ignore[no-untyped-def]
         size[d] += size[c]
 
 
-@njit(types.void(MESH, CUT, TREE), **INTERNAL)
+@linked(types.void(MESH, CUT, TREE), **INTERNAL)
 def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
     """Make it the tree of the cut's neighbours again, after what the cut says has changed."""
     above, pair_at, before, changed = tree.above, cut.pair_at, cut.before, cut.changed

@@ -18,6 +18,7 @@ from numba import njit, types
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, SENTINELS, corner_at, edge_to
+from v3dcad.geometry.linking import linked
 
 EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's
@@ -134,7 +135,7 @@ def walk_segment(  # type: ignore[no-untyped-def]
         cell = ahead
 
 
-@njit(
+@linked(
     WALKED(MESH, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS),
     **INTERNAL,
 )

@@ -19,6 +19,7 @@ from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGL
 from v3dcad.geometry.grid import HEAVIEST, STEPS
 from v3dcad.geometry.inside import CUT
 from v3dcad.geometry.kinetics import add_point
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.triangulation import locate
 from v3dcad.structure.holes import (
     BARREN,
@@ -196,7 +197,7 @@ def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     return x, y, fastest + equal
 
 
-@njit(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, WORD, FLOAT, FLOAT), **INTERNAL)
+@linked(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, WORD, FLOAT, FLOAT), **INTERNAL)
 def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
