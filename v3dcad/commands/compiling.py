@@ -12,6 +12,7 @@ from importlib import import_module
 OURS = (
     "v3dcad.geometry.kinetics",
     "v3dcad.structure.births",
+    "v3dcad.geometry.graph",
     "v3dcad.structure.layers",
     "v3dcad.structure.fill",
 )
@@ -19,14 +20,12 @@ OURS = (
 numba's cache has not; and"""
 THEIRS = (
     "v3dcad.geometry.walk",
-    "v3dcad.geometry.tree",
     "v3dcad.geometry.cut",
-    "v3dcad.geometry.graph",
+    "v3dcad.geometry.tree",
     "v3dcad.geometry.polygon",
     "v3dcad.geometry.support",
-    "v3dcad.geometry.grid",
 )
-"""those that meanwhile a second process compiles, which are needed last."""
+"""those that meanwhile a second process compiles: needed last, and as much work."""
 
 
 def load_engine() -> None:

@@ -14,6 +14,7 @@ from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
 from v3dcad.geometry.flips import ROW, TRIANGLE_ROWS
+from v3dcad.geometry.linking import linked
 
 NEVER = np.inf
 
@@ -152,7 +153,7 @@ def _sift(motion, at, length):  # type: ignore[no-untyped-def]
     due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
 
 
-@njit(types.void(MOTION), **INTERNAL)
+@linked(types.void(MOTION), **INTERNAL)
 def _drop_stale(motion):  # type: ignore[no-untyped-def]
     """Take entries out of the heap that no longer hold: what stays is at most one an edge."""
     due, edges, stamp = motion.due, motion.due_edge, motion.stamp
@@ -166,7 +167,7 @@ def _drop_stale(motion):  # type: ignore[no-untyped-def]
         _sift(motion, at, length)
 
 
-@njit(types.void(MOTION, TIME, WORD, WORD), **INTERNAL)
+@linked(types.void(MOTION, TIME, WORD, WORD), **INTERNAL)
 def push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
     """Enter that an edge is due at a moment; the entry holds while the edge has that stamp."""
     due, edges, state = motion.due, motion.due_edge, motion.state
@@ -181,7 +182,7 @@ def push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
     due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
 
 
-@njit(WORD(MOTION), **INTERNAL)
+@linked(WORD(MOTION), **INTERNAL)
 def pop(motion):  # type: ignore[no-untyped-def]
     """Take the first entry out; returns its edge, or −1 where it no longer holds."""
     due, edges, state = motion.due, motion.due_edge, motion.state

@@ -6,7 +6,7 @@ What neither the flips nor the rings have touched stays as it is.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from v3dcad.geometry.agenda import EVERYTHING, MOTION, TOUCHED
 from v3dcad.geometry.exact import INTERNAL, WORD
@@ -114,7 +114,7 @@ def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  #
     settle_edges(mesh, cut, site_of, keys, many)
 
 
-@njit(WORD(CUT, ROW, ROWS, WORD, ROW, WORD), **INTERNAL)
+@linked(WORD(CUT, ROW, ROWS, WORD, ROW, WORD), **INTERNAL)
 def count_cells(cut, begun_in, crossings, count, seen, token):  # type: ignore[no-untyped-def]
     """How many cells have a part inside. Marks those that rings pass in `seen` (p,) with a token
     not used before.

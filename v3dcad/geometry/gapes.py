@@ -20,6 +20,7 @@ from numba import njit, types
 
 from v3dcad.geometry.conics import LINES
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.mesh_section import SNAP, is_thin
 from v3dcad.geometry.splines import FLOAT, ROWS
 from v3dcad.geometry.surfaces import PLANE
@@ -82,7 +83,7 @@ def mended(heap, surfaces, gapes, points, starts, runs, numbers, heights):  # ty
     return out[:written].copy(), new_starts, new_runs[:made].copy(), new_numbers[:made].copy()
 
 
-@njit(types.void(INT_ROWS, ROWS, WORD, INT_ROWS, ROWS, WORD), **INTERNAL)
+@linked(types.void(INT_ROWS, ROWS, WORD, INT_ROWS, ROWS, WORD), **INTERNAL)
 def _copy_run(runs, numbers, source, new_runs, new_numbers, made):  # type: ignore[no-untyped-def]
     for column in range(runs.shape[1]):
         new_runs[made, column] = runs[source, column]
@@ -237,12 +238,12 @@ def _first_crossing(path, last, reach):  # type: ignore[no-untyped-def]
     return found, at_x, at_y
 
 
-@njit(FLOAT(ROWS, WORD, WORD), **INTERNAL)
+@linked(FLOAT(ROWS, WORD, WORD), **INTERNAL)
 def _length(path, one, other):  # type: ignore[no-untyped-def]
     return np.hypot(path[other, 0] - path[one, 0], path[other, 1] - path[one, 1])
 
 
-@njit(types.boolean(ROWS, WORD, FLOAT), **INTERNAL)
+@linked(types.boolean(ROWS, WORD, FLOAT), **INTERNAL)
 def _turns_back(path, last, reach):  # type: ignore[no-untyped-def]
     """Whether a way comes back to point `last` as it went to the one before: a loop of no width."""
     x, y = path[last - 1, 0], path[last - 1, 1]

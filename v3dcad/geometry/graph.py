@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.flips import ACROSS, MESH
@@ -123,7 +123,7 @@ def write_edges(  # type: ignore[no-untyped-def]
     return row, length
 
 
-@njit(
+@linked(
     WORD(
         FLOAT_ROWS,
         WORD,

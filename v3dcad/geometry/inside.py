@@ -13,12 +13,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.agenda import MOTION, strut
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.walk import FLOAT_ROWS, INTS, ROWS
 
 VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH, MOST = range(7)
@@ -117,7 +118,7 @@ def cut_with_room(cut: Cut, points: int, triangles: int) -> Cut:
     return longer
 
 
-@njit(types.void(CUT, ROW, WORD), **INTERNAL)
+@linked(types.void(CUT, ROW, WORD), **INTERNAL)
 def drop_edges(cut, halves, count):  # type: ignore[no-untyped-def]
     """Take out the whole edges of some halves; their places get the edges' keys, or −1."""
     edges, sites, sides, edge_at = cut.edges, cut.sites, cut.halves, cut.edge_at
@@ -138,7 +139,7 @@ def drop_edges(cut, halves, count):  # type: ignore[no-untyped-def]
     cut.state[WHOLE] = last
 
 
-@njit(types.void(CUT, ROW, WORD), **INTERNAL)
+@linked(types.void(CUT, ROW, WORD), **INTERNAL)
 def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
     """Take out the inner vertices of triangles whose edges have been taken out."""
     vertex_of, corners, struts, holes = cut.vertex_of, cut.corners, cut.struts, cut.holes
@@ -166,7 +167,7 @@ def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
     cut.state[VERTICES], cut.state[FILLED] = last, cells
 
 
-@njit(types.void(MESH, MOTION, CUT, ROW, WORD), **INTERNAL)
+@linked(types.void(MESH, MOTION, CUT, ROW, WORD), **INTERNAL)
 def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-def]
     """Number those of the listed triangles that lie inside and have no vertex yet."""
     points, triangles, base, growth = mesh.points, mesh.triangles, motion.base, motion.growth
@@ -204,7 +205,7 @@ def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-d
     cut.state[MOST] = most
 
 
-@njit(types.void(MESH, CUT, INTS, ROW, WORD), **INTERNAL)
+@linked(types.void(MESH, CUT, INTS, ROW, WORD), **INTERNAL)
 def settle_edges(mesh, cut, site_of, keys, count):  # type: ignore[no-untyped-def]
     """Make the edges with some keys (−1: none) what they should be: whole or not, neighbours or
     not.

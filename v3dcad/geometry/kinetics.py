@@ -59,7 +59,7 @@ ADVANCED, LOG_FULL, JAMMED = range(3)
 """How `advance` ends."""
 
 
-@njit(types.void(MESH, MOTION, WORD, WORD, TIME), **INTERNAL)
+@linked(types.void(MESH, MOTION, WORD, WORD, TIME), **INTERNAL)
 def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-def]
     """Enter when the exact test of an edge is due, no sooner than `earliest`."""
     triangles = mesh.triangles
@@ -88,7 +88,7 @@ def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-de
         push(motion, due, edge, motion.stamp[edge])
 
 
-@njit(types.void(MESH, MOTION, WORD), **INTERNAL)
+@linked(types.void(MESH, MOTION, WORD), **INTERNAL)
 def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
     """Log a triangle that ends at this moment; not one that lasted no time at all."""
     triangles, begun, moment = mesh.triangles, motion.begun[triangle], motion.moment[0]
@@ -102,7 +102,7 @@ def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
         motion.spans[row, 0], motion.spans[row, 1] = begun, moment
 
 
-@njit(types.void(MOTION, WORD), **INTERNAL)
+@linked(types.void(MOTION, WORD), **INTERNAL)
 def _touch(motion, triangle):  # type: ignore[no-untyped-def]
     touched, state = motion.touched, motion.state
     if state[TOUCHED] == len(touched):
@@ -112,7 +112,7 @@ def _touch(motion, triangle):  # type: ignore[no-untyped-def]
         state[TOUCHED] += 1
 
 
-@njit(types.void(MESH, MOTION, WORD), **INTERNAL)
+@linked(types.void(MESH, MOTION, WORD), **INTERNAL)
 def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
     """Date a new triangle and certify its edges; what was due about it no longer is."""
     motion.begun[triangle] = motion.moment[0]
@@ -214,7 +214,7 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
     return ADVANCED
 
 
-@njit(types.void(MESH, MOTION, WORD, WORD), **INTERNAL)
+@linked(types.void(MESH, MOTION, WORD, WORD), **INTERNAL)
 def add_point(mesh, motion, triangle, point):  # type: ignore[no-untyped-def]
     """Join a new point to the triangle that holds it, now; what is due then is up to `advance`.
 

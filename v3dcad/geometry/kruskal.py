@@ -9,12 +9,13 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.linking import linked
 from v3dcad.model import Ints
 
 LENGTHS, PAIRS, ROW = types.int64[::1], types.int64[:, ::1], types.int32[::1]
 
 
-@njit(types.boolean(POINT_ROWS, *[WORD] * 4), **INTERNAL)
+@linked(types.boolean(POINT_ROWS, *[WORD] * 4), **INTERNAL)
 def is_shorter(points, a, b, c, d):  # type: ignore[no-untyped-def]
     """Whether the edge a–b comes before c–d: by length, then by the points' numbers."""
     ax, ay = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.linking import linked
 
 FLOAT, FLOAT_ROWS, INTS = types.float64, types.float64[:, ::1], types.int64[::1]
 PLACE = types.Tuple((WORD, FLOAT, FLOAT))
@@ -24,7 +25,7 @@ LOW, HIGH, FOOT, HEAD, GAIN, BELOW, ABOVE = range(7)
 its left to its right, and its x at the bottom and at the top of a slab."""
 
 
-@njit(PLACE(FLOAT_ROWS, INTS, WORD, WORD), **INTERNAL)
+@linked(PLACE(FLOAT_ROWS, INTS, WORD, WORD), **INTERNAL)
 def _fault_in(corners, starts, rings_from, rings_to):  # type: ignore[no-untyped-def]
     """Where one layer's rings wind neither 0 times nor once: the layer's first corner, x, y; or −1
     and no place.

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
+from v3dcad.geometry.linking import linked
 from v3dcad.model import Floats, Ints
 
 FLOAT = types.float64
@@ -53,7 +54,7 @@ def _power(sites, weights, site, x, y):  # type: ignore[no-untyped-def]
     return (x - sites[site, 0]) ** 2 + (y - sites[site, 1]) ** 2 - weights[site]
 
 
-@njit(WORD(GIVEN_ROWS, GIVEN, INTS, INTS, WORD, FLOAT, FLOAT), **INTERNAL)
+@linked(WORD(GIVEN_ROWS, GIVEN, INTS, INTS, WORD, FLOAT, FLOAT), **INTERNAL)
 def _owner(sites, weights, first, adjacent, site, x, y):  # type: ignore[no-untyped-def]
     """The site whose cell holds a point: go to a neighbour of less power while there is one."""
     power = _power(sites, weights, site, x, y)
@@ -69,7 +70,7 @@ def _owner(sites, weights, first, adjacent, site, x, y):  # type: ignore[no-unty
     return site
 
 
-@njit(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT), **INTERNAL)
+@linked(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT), **INTERNAL)
 def _greatest_least(start, slope, count, low, high):  # type: ignore[no-untyped-def]
     """Greatest value, over low ≤ t ≤ high, of the least of the lines start + slope · t.
 
@@ -94,7 +95,7 @@ def _greatest_least(start, slope, count, low, high):  # type: ignore[no-untyped-
     return start[active] + slope[active] * t
 
 
-@njit(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT, FLOAT), **INTERNAL)
+@linked(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT, FLOAT), **INTERNAL)
 def _above(start, slope, count, low, high, reach):  # type: ignore[no-untyped-def]
     """Length of the interval of low ≤ t ≤ high in which all lines lie above `reach`."""
     for k in range(count):

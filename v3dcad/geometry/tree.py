@@ -75,7 +75,7 @@ def tree_with_room(tree: Tree, points: int) -> Tree:
     return longer
 
 
-@njit(types.void(TREE, WORD), **INTERNAL)
+@linked(types.void(TREE, WORD), **INTERNAL)
 def _cut_off(tree, point):  # type: ignore[no-untyped-def]
     """Take a point off the one that it hangs from, if it does."""
     above, beside = tree.above, tree.beside
@@ -90,7 +90,7 @@ def _cut_off(tree, point):  # type: ignore[no-untyped-def]
         above[point] = NOTHING
 
 
-@njit(types.void(TREE, WORD, WORD), **INTERNAL)
+@linked(types.void(TREE, WORD, WORD), **INTERNAL)
 def _hang(tree, point, under):  # type: ignore[no-untyped-def]
     """Turn the piece that a point belongs to so that it is its root, and hang it under another."""
     above, below, beside = tree.above, tree.below, tree.beside
@@ -116,7 +116,7 @@ def _key_of(triangles, pair_at, triangle, i):  # type: ignore[no-untyped-def]
     return key if pair_at[key] != 0 else -1
 
 
-@njit(types.boolean(POINT_ROWS, TRIANGLE_ROWS, LENGTHS, WORD), **INTERNAL)
+@linked(types.boolean(POINT_ROWS, TRIANGLE_ROWS, LENGTHS, WORD), **INTERNAL)
 def _may_be_branch(points, triangles, pair_at, key):  # type: ignore[no-untyped-def]
     """Whether the edge with a key is not the longest of a triangle of the graph."""
     first, i = key // 3, key % 3
@@ -132,7 +132,7 @@ def _may_be_branch(points, triangles, pair_at, key):  # type: ignore[no-untyped-
     return True
 
 
-@njit(types.boolean(MESH, LENGTHS, WORD, WORD), **INTERNAL)
+@linked(types.boolean(MESH, LENGTHS, WORD, WORD), **INTERNAL)
 def _are_joined(mesh, pair_at, a, b):  # type: ignore[no-untyped-def]
     """Whether the graph has an edge a–b."""
     triangles, first = mesh.triangles, mesh.triangle_of[a]
@@ -148,7 +148,7 @@ def _are_joined(mesh, pair_at, a, b):  # type: ignore[no-untyped-def]
             return False
 
 
-@njit(types.void(MESH, CUT, TREE, WORD), **INTERNAL)
+@linked(types.void(MESH, CUT, TREE, WORD), **INTERNAL)
 def _replace(mesh, cut, tree, lost):  # type: ignore[no-untyped-def]
     """Put the shortest edge between its two pieces, if there is one that is not new, in the place
     of the branch from the point `lost` to the one above it.
@@ -196,7 +196,7 @@ def _replace(mesh, cut, tree, lost):  # type: ignore[no-untyped-def]
         _hang(tree, inner, outer)
 
 
-@njit(types.void(MESH, TREE, WORD, WORD), **INTERNAL)
+@linked(types.void(MESH, TREE, WORD, WORD), **INTERNAL)
 def _join(mesh, tree, a, b):  # type: ignore[no-untyped-def]
     """Put in a new edge: between two pieces, or for the longest of the cycle that it closes."""
     points, above, mark = mesh.points, tree.above, tree.mark
@@ -228,7 +228,7 @@ def _join(mesh, tree, a, b):  # type: ignore[no-untyped-def]
         _hang(tree, start, b if start == a else a)
 
 
-@njit(types.void(TREE, WORD, PAIRS), **INTERNAL)
+@linked(types.void(TREE, WORD, PAIRS), **INTERNAL)
 def _hang_all(tree, points, branches):  # type: ignore[no-untyped-def]
     """Make the tree of so many points out of its branches."""
     size, piece = np.empty(points, np.int32), np.empty(points, np.int32)
@@ -289,7 +289,7 @@ def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
     cut.state[CHANGED] = 0
 
 
-@njit(WORD(MESH, TREE, LENGTHS, PAIRS, WORD), **INTERNAL)
+@linked(WORD(MESH, TREE, LENGTHS, PAIRS, WORD), **INTERNAL)
 def write_tree(mesh, tree, site_of, branches, row):  # type: ignore[no-untyped-def]
     """Write the tree's pairs of sites, i < j, from `row` on; returns the row after."""
     above = tree.above

@@ -29,6 +29,7 @@ from v3dcad.geometry.flips import (
     split,
 )
 from v3dcad.geometry.grid import STEPS
+from v3dcad.geometry.linking import linked
 from v3dcad.model import Ints
 
 
@@ -56,7 +57,7 @@ def locate(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
         before, triangle = triangle, ahead
 
 
-@njit(WORD(MESH, WORD, WORD), **INTERNAL)
+@linked(WORD(MESH, WORD, WORD), **INTERNAL)
 def insert(mesh, point, triangle):  # type: ignore[no-untyped-def]
     """Insert a point, or hide it; returns a triangle nearby. The search starts at `triangle`."""
     points, triangles, stack = mesh.points, mesh.triangles, mesh.stack

@@ -54,7 +54,7 @@ def power_gap(points, cell, other, x, y):  # type: ignore[no-untyped-def]
     return dx * (along_x - 2 * x) + dy * (along_y - 2 * y) + lighter
 
 
-@njit(WORD(MESH, WORD, FLOAT, FLOAT), **INTERNAL)
+@linked(WORD(MESH, WORD, FLOAT, FLOAT), **INTERNAL)
 def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
     """The cell that holds (x, y), searched from neighbour to nearer neighbour.
 
@@ -81,7 +81,7 @@ def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
         cell, own = nearest, least
 
 
-@njit(
+@linked(
     WALKED(MESH, ROWS, FLOATS, WORD, WORD, *[FLOAT] * 4, WORD),
     **INTERNAL,
 )
@@ -181,7 +181,7 @@ def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: 
     return count, crossings, at
 
 
-@njit(types.void(FLOAT_ROWS, INTS, *[FLOAT] * 3, INTS, FLOAT_ROWS), **INTERNAL)
+@linked(types.void(FLOAT_ROWS, INTS, *[FLOAT] * 3, INTS, FLOAT_ROWS), **INTERNAL)
 def link_corners(corners, starts, left, low, pitch, after, stepped):  # type: ignore[no-untyped-def]
     """Fill `after` (r,), which corner follows each on its ring, and `stepped` (r, 2), where the
     rings' corners (r, 2), mm, lie in grid steps, moved a `HAIR` to the left of either side there.

@@ -8,17 +8,18 @@ only right ones. Inside they are 1, but where a part is thinner than rounding.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from v3dcad.geometry.exact import INTERNAL, WORD
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
 from v3dcad.geometry.inside import CROSSED, CUT, NONE
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.walk import EDGE, ROWS, WINDING
 
 UNKNOWN = -(1 << 30)
 
 
-@njit(types.boolean(MESH, ROW, ROWS, ROW, WORD), **INTERNAL)
+@linked(types.boolean(MESH, ROW, ROWS, ROW, WORD), **INTERNAL)
 def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
     """Find the winding numbers of the listed triangles, which are `UNKNOWN`, from those around.
 
@@ -58,7 +59,7 @@ def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
     return fits and inside[outermost] == 0
 
 
-@njit(WORD(MESH, CUT, ROWS, WORD, ROW, ROW, WORD), **INTERNAL)
+@linked(WORD(MESH, CUT, ROWS, WORD, ROW, ROW, WORD), **INTERNAL)
 def chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignore[no-untyped-def]
     """Chain the crossings on each edge in place of those before; lists the triangles beside edges
     whose gain has changed, and returns how many are listed.

@@ -36,7 +36,7 @@ from v3dcad.structure.holes import (
 FLOAT = types.float64
 
 
-@njit(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
+@linked(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
 def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
     """The largest weight (steps², but for rounding) at which q has no cell beside a, b, c."""
     x, y, weight = points[a, 0], points[a, 1], points[a, 2]
@@ -83,7 +83,7 @@ def no_squares(points: int) -> Squares:
     )
 
 
-@njit(types.void(MESH, types.int64[::1], SQUARES), **INTERNAL)
+@linked(types.void(MESH, types.int64[::1], SQUARES), **INTERNAL)
 def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
     """List the points that are not listed yet."""
     points, first, following = mesh.points, squares.first, squares.following
@@ -97,7 +97,7 @@ def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
     squares.state[COUNT] = mesh.count[POINTS]
 
 
-@njit(
+@linked(
     WORD(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
     **INTERNAL,
 )
@@ -127,7 +127,7 @@ def too_near(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore
     return NOTHING
 
 
-@njit(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
+@linked(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
 def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
     """Give point q the least weight at which its cell is not empty; False beyond the safe range.
 
@@ -156,7 +156,7 @@ def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
     return abs(high) < HEAVIEST
 
 
-@njit(types.void(types.float64[::1], types.int32[::1], WORD, WORD), **INTERNAL)
+@linked(types.void(types.float64[::1], types.int32[::1], WORD, WORD), **INTERNAL)
 def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
     """Let an entry sink in a heap with the largest hole first."""
     while True:
@@ -172,7 +172,7 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@njit(types.boolean(POINT_ROWS, TRIANGLE_ROWS, *[WORD] * 5), **INTERNAL)
+@linked(types.boolean(POINT_ROWS, TRIANGLE_ROWS, *[WORD] * 5), **INTERNAL)
 def would_hide(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-def]
     """Whether q, newborn to a, b, c, and any newborn before it might keep each other from having
     cells: those from point `first` on, with their parents (k, 3).

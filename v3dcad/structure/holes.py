@@ -16,6 +16,7 @@ from v3dcad.geometry.agenda import ALWAYS, LEAST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, WORD
 from v3dcad.geometry.flips import MESH, NOTHING, ROW
 from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
+from v3dcad.geometry.linking import linked
 
 FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
 
@@ -91,7 +92,7 @@ def _consider(cut, shortlist, triangle, now, until):  # type: ignore[no-untyped-
             state[LENGTH] += 1
 
 
-@njit(types.void(MESH, MOTION, CUT, SHORTLIST, types.float64, types.float64), **INTERNAL)
+@linked(types.void(MESH, MOTION, CUT, SHORTLIST, types.float64, types.float64), **INTERNAL)
 def list_holes(mesh, motion, cut, shortlist, share, gain):  # type: ignore[no-untyped-def]
     """List all holes anew that are or may get above a bar, so far between their mean and the
     largest one that has parents; with a share of 0, list all, and only for now.
@@ -129,7 +130,7 @@ def list_holes(mesh, motion, cut, shortlist, share, gain):  # type: ignore[no-un
     state[SEEN], state[UNTIL] = now, until
 
 
-@njit(types.boolean(MESH, MOTION, CUT, SHORTLIST), **INTERNAL)
+@linked(types.boolean(MESH, MOTION, CUT, SHORTLIST), **INTERNAL)
 def look_again(mesh, motion, cut, shortlist):  # type: ignore[no-untyped-def]
     """Whether the shortlist still holds: then what is new is on it, too."""
     holes, listed, state = shortlist.holes, shortlist.listed, shortlist.state

@@ -19,6 +19,7 @@ from v3dcad.geometry.flips import MESH, POINTS
 from v3dcad.geometry.graph import place_vertices, write_edges
 from v3dcad.geometry.inside import CROSSED, CUT, MOST, VERTICES, WHOLE
 from v3dcad.geometry.kinetics import advance
+from v3dcad.geometry.linking import linked
 from v3dcad.geometry.tree import TREE, renew_tree, write_tree
 from v3dcad.geometry.walk import (
     EDGE,
@@ -92,7 +93,7 @@ _ROWS_OF_GRAPHS = [INT_ROWS, INT_ROWS, INTS, INTS, INT_ROWS, INTS]
 RUN = TupleType([INTS, INTS, INTS, FLOATS, INTS, FLOAT_ROWS, INTS, *_ROWS_OF_GRAPHS], Run)
 
 
-@njit(INT_ROWS(INT_ROWS, WORD, WORD), **INTERNAL)
+@linked(INT_ROWS(INT_ROWS, WORD, WORD), **INTERNAL)
 def _with_room(pool, used, more):  # type: ignore[no-untyped-def]
     """The pool, or a longer one with its rows in `used`, so that there is room for `more`."""
     if used + more <= len(pool):
@@ -113,7 +114,7 @@ def _same_numbers(before, now):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(types.boolean(ROWS, WORD, ROWS, WORD), **INTERNAL)
+@linked(types.boolean(ROWS, WORD, ROWS, WORD), **INTERNAL)
 def _same_crossings(before, count_before, now, count):  # type: ignore[no-untyped-def]
     if count != count_before:
         return False
@@ -127,7 +128,7 @@ def _same_crossings(before, count_before, now, count):  # type: ignore[no-untype
     return True
 
 
-@njit(types.float64(FLOAT_ROWS, INTS), **INTERNAL)
+@linked(types.float64(FLOAT_ROWS, INTS), **INTERNAL)
 def signed_area(corners, starts):  # type: ignore[no-untyped-def]
     """Area between rings, mm²: positive where outer rings run counter-clockwise."""
     double = 0.0
@@ -143,7 +144,7 @@ def signed_area(corners, starts):  # type: ignore[no-untyped-def]
     return double / 2
 
 
-@njit(types.boolean(MESH, MOTION, ROW, WORD), **INTERNAL)
+@linked(types.boolean(MESH, MOTION, ROW, WORD), **INTERNAL)
 def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
     """Whether a touched triangle is at a cell that rings pass."""
     if motion.state[TOUCHED] == EVERYTHING:
