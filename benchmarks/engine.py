@@ -106,7 +106,7 @@ def layer_loop(quick: bool) -> None:
         def engine(stack=stack, sites=sites, settings=settings):
             return [layer.index for layer in fill_sections(stack, sites, settings).layers]
 
-        fast = seconds(engine, 1 if n * layers > 10**6 else 3)
+        fast = seconds(engine)
         some = max(1, layers // (SLOW_LAYERS if n * layers > 10**5 else 1))
         chosen = [
             layer
@@ -117,8 +117,7 @@ def layer_loop(quick: bool) -> None:
             lambda chosen=chosen: [
                 oracle.layer(layer.state.sites, layer.state.weights, layer.section)
                 for layer in chosen
-            ],
-            1,
+            ]
         )
         slow *= layers / len(chosen)
         print(
@@ -182,8 +181,8 @@ def start() -> None:
     print("\nstart")
     with tempfile.TemporaryDirectory() as cache:
         code = "import time; t = time.perf_counter(); import numba; n = time.perf_counter();"
-        code += "import v3dcad.structure.overhang, v3dcad.structure.fill;"
-        code += "print(n - t, time.perf_counter() - n)"
+        code += "from v3dcad.commands.compiling import load_engine; load_engine();"
+        code += "import v3dcad.structure.overhang; print(n - t, time.perf_counter() - n)"
         for what in ("compiling", "cached"):
             out = subprocess.run(
                 [sys.executable, "-c", code],
