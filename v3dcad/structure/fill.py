@@ -15,7 +15,7 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.agenda import ALWAYS
 from v3dcad.geometry.epochs import FIRST, Epoch
 from v3dcad.geometry.facets import Facets, welded_facets
-from v3dcad.geometry.grid import UTMOST, Grid, curve_order
+from v3dcad.geometry.grid import STEPS, UTMOST, Grid, curve_order
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
@@ -76,7 +76,7 @@ def fill_sections(
     low, high = _around(sites, box)
     grid = Grid.around(low, high)
     places = grid.snap(sites)
-    kept = np.sort(np.unique(places, axis=0, return_index=True)[1])
+    kept = np.sort(np.unique(places @ (2 * STEPS, 1), return_index=True)[1])
     if len(kept) < len(places):
         warnings.warn(
             f"{len(places) - len(kept)} of {len(places)} sites lie on others "
