@@ -3,6 +3,10 @@
 A site q inside the triangle of three sites whose orthocentre v has the power P is empty exactly
 while its weight is at most |q − v|² − P. So a newborn gets the least weight above that, and its
 cell begins at v with no area and grows with the square of the weight gained since.
+
+A newborn stands inside the triangle of its parents. Hence the hull of the living sites shrinks from
+generation to generation, and on a tall pole births come to an end where the distance that newborns
+keep leaves no room in it.
 """
 
 from __future__ import annotations
