@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 OURS = (
+    "v3dcad.geometry.kruskal",
     "v3dcad.geometry.kinetics",
     "v3dcad.structure.births",
     "v3dcad.geometry.graph",
@@ -19,10 +20,10 @@ OURS = (
 """Modules of the engine in the order in which this process loads them, and so compiles what
 numba's cache has not; and"""
 THEIRS = (
+    "v3dcad.geometry.polygon",
     "v3dcad.geometry.walk",
     "v3dcad.geometry.cut",
     "v3dcad.geometry.tree",
-    "v3dcad.geometry.polygon",
     "v3dcad.geometry.support",
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
