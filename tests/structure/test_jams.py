@@ -1,4 +1,4 @@
-"""A triangulation built afresh on the way up changes nothing that can be seen."""
+"""Neither a triangulation built afresh on the way up nor a want of room can be seen afterwards."""
 
 from typing import Any
 
@@ -6,22 +6,35 @@ import numpy as np
 import pytest
 
 from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.model import Layer
+from v3dcad.model import Floats, Layer
 from v3dcad.structure import course
-from v3dcad.structure.layers import DONE, JAMMED, LAYERS, STATUS, Rings, Run, run
+from v3dcad.structure.layers import (
+    DONE,
+    JAMMED,
+    LAYERS,
+    PAGES_FULL,
+    STATUS,
+    WALKS_FULL,
+    run,
+    walks,
+)
 
 SQUARE = np.array([[0.0, 0], [40, 0], [40, 40], [0, 40]])
 SITES = np.random.default_rng(3).random((40, 2)) * 40
 JAMS = (7, 8, 30)
 
 
-def filled(widening: float, insertion: bool) -> Any:
+LATTICE = np.stack(np.meshgrid(*[np.linspace(2, 38, 6)] * 2), axis=-1).reshape(-1, 2)
+"""Two holes between each four, of which only one may have a newborn."""
+
+
+def filled(widening: float, insertion: bool, sites: Floats = SITES) -> Any:
     sections = [
         Section(0.4 * k, (SQUARE * (1 + widening * k) - 20 * k * widening,)) for k in range(60)
     ]
     return fill_sections(
         sections,
-        SITES,
+        sites,
         FillSettings(layer_height=0.4, offset=4.0, max_overhang=90.0, insertion=insertion),
     )
 
@@ -47,21 +60,19 @@ def test_a_jam_does_not_show(
     jammed: list[int] = []
     made = 0
 
-    def jamming(*given: Any) -> Run:
+    def jamming(*given: Any) -> None:
         """The compiled loop, which now and then says that it is jammed before a layer."""
         nonlocal made
-        rings, times = next(k for k in given if isinstance(k, Rings)), given[8]
+        times, found = given[8], given[10]
         stops = [
             jam - made for jam in JAMS if jam not in jammed and made <= jam < made + len(times)
         ]
         some = min(stops, default=len(times))
-        short = rings._replace(layers=rings.layers[: some + 1])
-        found = run(*given[:7], short, times[:some], *given[9:])
+        run(*given[:8], times[:some], *given[9:])
         made += int(found.outcome[LAYERS])
         if stops and found.outcome[STATUS] == DONE:
             found.outcome[STATUS] = JAMMED
             jammed.append(made)
-        return found
 
     monkeypatch.setattr(course, "run", jamming)
     filling = filled(widening, insertion)
@@ -75,6 +86,33 @@ def test_a_jam_does_not_show(
     np.testing.assert_array_equal(filling.births, expected.births)
     # Struts and facets are cut in two where the jams are, and no more.
     assert area(filling.walls) == pytest.approx(area(facets), rel=1e-9)
+
+
+@pytest.mark.parametrize("sites", [SITES, LATTICE], ids=["scattered", "lattice"])
+@pytest.mark.parametrize(("widening", "insertion"), [(0.0, True), (0.01, True), (0.0, False)])
+def test_a_want_of_room_does_not_show(
+    sites: Floats, widening: float, insertion: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = filled(widening, insertion, sites)
+    layers = list(expected.layers)
+    ended: list[int] = []
+
+    def noting(*given: Any) -> None:
+        run(*given)
+        ended.append(int(given[10].outcome[STATUS]))
+
+    monkeypatch.setattr(course, "run", noting)
+    monkeypatch.setattr(course, "walks", lambda crossings, *rest: walks(crossings // 64, *rest))
+    monkeypatch.setattr(course.Course, "_usual_rows", lambda *_: 1)
+    filling = filled(widening, insertion, sites)
+    for before, after in zip(layers, filling.layers, strict=True):
+        assert lines(after) == lines(before)
+        assert after.area_per_cell == before.area_per_cell
+        tree = {tuple(sorted(pair)) for pair in after.tree.tolist()}
+        assert tree == {tuple(sorted(pair)) for pair in before.tree.tolist()}
+    np.testing.assert_array_equal(filling.births, expected.births)
+    assert ended.count(WALKS_FULL) >= 2
+    assert ended.count(PAGES_FULL) > len(layers) / 2
 
 
 def area(walls: Any) -> float:

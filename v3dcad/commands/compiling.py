@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from importlib import import_module
 
 OURS = (
-    "v3dcad.geometry.kruskal",
     "v3dcad.geometry.kinetics",
     "v3dcad.structure.births",
-    "v3dcad.geometry.graph",
+    "v3dcad.geometry.support",
     "v3dcad.structure.layers",
     "v3dcad.structure.fill",
 )
@@ -21,10 +20,9 @@ OURS = (
 numba's cache has not; and"""
 THEIRS = (
     "v3dcad.geometry.polygon",
-    "v3dcad.geometry.walk",
     "v3dcad.geometry.cut",
+    "v3dcad.geometry.graph",
     "v3dcad.geometry.tree",
-    "v3dcad.geometry.support",
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
 

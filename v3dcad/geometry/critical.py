@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from v3dcad.geometry.exact import COMPILED, INTERNAL
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, depth
 from v3dcad.geometry.surfaces import CONE, SPHERE, TORUS, height_at
 from v3dcad.model import Floats, Ints
@@ -90,7 +90,7 @@ def _of_quadric(heap, place, points):  # type: ignore[no-untyped-def]
     return 4 if int(heap[place]) == TORUS else 2
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _of_triangle(heap, place, corners, zeros):  # type: ignore[no-untyped-def]
     """Zeros of the gradient in a triangle, sought in its four quarters: to `zeros` (4, 2); how
     many.

@@ -15,14 +15,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, WORD
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
 
 LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
     degree, count = int(heap[place + 1]), int(heap[place + 2])
     knots = place + 4

@@ -5,7 +5,6 @@ What neither the flips nor the rings have touched stays as it is.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import types
 
 from v3dcad.geometry.agenda import EVERYTHING, MOTION, TOUCHED
@@ -25,83 +24,78 @@ from v3dcad.geometry.walk import INTO, INTS, ROWS
 from v3dcad.geometry.winding import UNKNOWN, chain, wind
 
 
+@linked(WORD(MESH, CUT, WORD, WORD), **INTERNAL)
+def _wind_everything(mesh, cut, touched, length):  # type: ignore[no-untyped-def]
+    """Find all winding numbers anew, from outside; lists every triangle, after the `touched` ones
+    of the first `length` that are listed, and returns how many they are.
+    """
+    inside, listed, picked = cut.inside, cut.listed, cut.picked
+    for place in range(length):
+        inside[listed[place]] = UNKNOWN if place < touched else 0
+    length, live = touched, 0
+    for triangle in range(mesh.count[TRIANGLES]):
+        if inside[triangle] != UNKNOWN:
+            listed[length] = triangle
+            length += 1
+        inside[triangle] = 0
+        if mesh.triangles[triangle, 0] != NOTHING:
+            inside[triangle] = UNKNOWN
+            picked[live] = triangle
+            live += 1
+    inside[mesh.triangle_of[0]] = 0
+    wind(mesh, inside, cut.gain, picked, live)
+    return length
+
+
 @linked(types.void(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
 def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  # type: ignore[no-untyped-def]
     """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
     cross now or crossed before.
     """
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
-    crossed, state = cut.crossed, motion.state
-    total, past = mesh.count[TRIANGLES], 0
-    listed, length = np.empty(2 * total, np.int32), 0
+    listed, picked, keys = cut.listed, cut.picked, cut.keys
+    total, state, touched = mesh.count[TRIANGLES], motion.state, 0
     everything = state[TOUCHED] == EVERYTHING
     for place in range(total if everything else state[TOUCHED]):
         triangle = place if everything else motion.touched[place]
         if inside[triangle] != UNKNOWN:
             inside[triangle] = UNKNOWN
-            listed[length] = triangle
-            length += 1
-    state[TOUCHED], touched = 0, length
-    live = 0
+            listed[touched] = triangle
+            touched += 1
+    state[TOUCHED] = 0
     for place in range(touched):  # freed ones have no winding number
         if triangles[listed[place], 0] == NOTHING:
             inside[listed[place]] = 0
-    former = np.empty(0, np.int32)
+    length, past, live = touched, 0, 0
     if walked:
         past = cut.state[CROSSED]
-        former = np.empty(past, np.int32)
-        for place in range(past):
-            former[place] = crossed[place]
-        length = chain(mesh, cut, crossings, count, next_on, listed, length)
-    known = np.empty(length, np.int32)
+        length = chain(mesh, cut, crossings, count, next_on, touched)
     for place in range(length):
         if triangles[listed[place], 0] != NOTHING:
-            known[live] = listed[place]
+            picked[live] = listed[place]
             live += 1
-    if not wind(mesh, inside, cut.gain, known, live):
-        # Some change reaches farther: wind everything from outside.
-        length = touched
-        seen = np.zeros(total, np.int8)
-        for place in range(touched):
-            seen[listed[place]] = 1
-        everyone, many = np.empty(total, np.int32), 0
-        for triangle in range(total):
-            if triangles[triangle, 0] != NOTHING:
-                inside[triangle] = UNKNOWN
-                everyone[many] = triangle
-                many += 1
-            if seen[triangle] == 0:
-                listed[length] = triangle
-                length += 1
-        inside[mesh.triangle_of[0]] = 0
-        wind(mesh, inside, cut.gain, everyone, many)
-    doomed, dying = np.empty(length, np.int32), 0
-    halves, dropped = np.empty(3 * length + cut.state[CROSSED], np.int32), 0
+    if not wind(mesh, inside, cut.gain, picked, live):
+        length = _wind_everything(mesh, cut, touched, length)
+    dying, many = 0, 0
     for place in range(length):
         triangle = listed[place]
         if vertex_of[triangle] >= 0 and (place < touched or inside[triangle] != 1):
-            doomed[dying] = triangle
+            picked[dying] = triangle
             dying += 1
             for i in range(3):
-                halves[dropped] = 3 * triangle + i
-                dropped += 1
-    if walked:
-        for place in range(cut.state[CROSSED]):
-            halves[dropped] = crossed[place]
-            dropped += 1
-    drop_edges(cut, halves, dropped)
-    drop_vertices(cut, doomed, dying)
+                keys[many] = 3 * triangle + i
+                many += 1
+    crossed = cut.state[CROSSED] if walked else 0
+    for place in range(crossed):
+        keys[many] = cut.crossed[place]
+        many += 1
+    drop_edges(cut, keys, many)
+    drop_vertices(cut, picked, dying)
     add_vertices(mesh, motion, cut, listed, length)
-    keys, many = np.empty(6 * length + dropped + past + cut.state[CROSSED], np.int32), 0
-    for place in range(dropped):
-        keys[place] = halves[place]
-    many = dropped
-    for place in range(past):
-        keys[many] = former[place]
-        many += 1
-    for place in range(cut.state[CROSSED] if walked else 0):
-        keys[many] = crossed[place]
-        many += 1
+    settle_edges(mesh, cut, site_of, keys, many)
+    settle_edges(mesh, cut, site_of, cut.former, past)
+    settle_edges(mesh, cut, site_of, cut.crossed, crossed)
+    many = 0
     for place in range(length):
         triangle = listed[place]
         for i in range(3):

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.conics import LINES
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.mesh_section import SNAP, is_thin
 from v3dcad.geometry.splines import FLOAT, ROWS
@@ -91,7 +91,7 @@ def _copy_run(runs, numbers, source, new_runs, new_numbers, made):  # type: igno
         new_numbers[made, column] = numbers[source, column]
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _stepped(heap, surfaces, gapes, ring, runs, height):  # type: ignore[no-untyped-def]
     """The points of a ring with its straight runs put on their faces' lines.
 
@@ -161,7 +161,7 @@ def _feet(heap, place, height, x, y, far_x, far_y):  # type: ignore[no-untyped-d
     )
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _without_loops(path, owner, reach):  # type: ignore[no-untyped-def]
     """A ring (k, 2) with its loops no longer than `reach` cut off where it crosses itself.
 

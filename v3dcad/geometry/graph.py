@@ -109,7 +109,7 @@ def write_edges(  # type: ignore[no-untyped-def]
     crossing = 0
     for ring in range(len(starts) - 1):
         cell = begun_in[ring]
-        for segment in range(starts[ring], starts[ring + 1]):
+        for segment in range(starts[ring] - starts[0], starts[ring + 1] - starts[0]):
             begin = inner + segment
             while crossing < count and crossings[crossing, SEGMENT] == segment:
                 edges[length, 0], edges[length, 1] = begin, crossing_base + crossing

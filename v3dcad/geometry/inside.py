@@ -73,6 +73,14 @@ class Cut(NamedTuple):
     """(t,) int32: triangles of new inner vertices, since somebody last emptied this list"""
     filled: Any
     """(p,) int32: how many inner vertices each cell has"""
+    listed: Any
+    """(t,) int32: room for the triangles that are cut anew,"""
+    picked: Any
+    """(t,) int32: some of them,"""
+    keys: Any
+    """(6 t,) int32: the keys or halves of their edges, and"""
+    former: Any
+    """(3 t,) int32: the keys of edges that were crossed before"""
     state: Any
     """(7,) int64"""
 
@@ -83,7 +91,7 @@ _VERTICES = [ROW, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
 _EDGES = [ROWS, ROWS, ROWS, ROW, ROW, ROWS, ROW, INTS, INTS, ROW]
 
 
-CUT = TupleType([*_VERTICES, *_EDGES, ROW, ROW, INTS], Cut)
+CUT = TupleType([*_VERTICES, *_EDGES, *[ROW] * 6, INTS], Cut)
 
 
 def empty_cut(points: int, triangles: int) -> Cut:
@@ -106,6 +114,10 @@ def empty_cut(points: int, triangles: int) -> Cut:
         changed=np.empty(3 * triangles, np.int32),
         fresh=np.empty(triangles, np.int32),
         filled=np.zeros(points, np.int32),
+        listed=np.empty(triangles, np.int32),
+        picked=np.empty(triangles, np.int32),
+        keys=np.empty(6 * triangles, np.int32),
+        former=np.empty(3 * triangles, np.int32),
         state=np.zeros(7, np.int64),
     )
 

@@ -137,14 +137,6 @@ def certify_all(mesh, motion):  # type: ignore[no-untyped-def]
                     _certify(mesh, motion, triangle, i, -NEVER)
 
 
-@njit(types.void(MESH, MOTION), **COMPILED)
-def end_all(mesh, motion):  # type: ignore[no-untyped-def]
-    """Log every triangle as ended at this moment; `struts` must have room for all."""
-    for triangle in range(mesh.count[TRIANGLES]):
-        if mesh.triangles[triangle, 0] != NOTHING:
-            _end_strut(mesh, motion, triangle)
-
-
 @linked(WORD(MESH, MOTION, WORD), **COMPILED)
 def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
     """Bring the triangulation to a later whole time. Says how that has ended: `ADVANCED`, or short
@@ -251,6 +243,21 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
     return motion
 
 
+def all_ended(mesh: Triangulation, motion: Motion) -> Motion:
+    """The motion with every triangle that has lasted any time logged as ended at this moment."""
+    some = slice(0, int(mesh.count[TRIANGLES]))
+    corners, begun, moment = mesh.triangles[some, :3], motion.begun[some], motion.moment[0]
+    ended = (corners[:, 0] != NOTHING) & (begun < moment)
+    corners, begun = corners[ended], begun[ended]
+    motion = with_log(motion, len(corners))
+    rows = slice(int(motion.state[STRUTS]), int(motion.state[STRUTS]) + len(corners))
+    turn = (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    motion.struts[rows] = np.take_along_axis(corners, turn, axis=1)
+    motion.spans[rows, 0], motion.spans[rows, 1] = begun, moment
+    motion.state[STRUTS] = rows.stop
+    return motion
+
+
 def resumed(mesh: Triangulation, motion: Motion, ended: int) -> Motion:
     """The motion with what `advance` needs to go on where it has ended before the time asked for.
 
@@ -259,11 +266,8 @@ def resumed(mesh: Triangulation, motion: Motion, ended: int) -> Motion:
     """
     if ended == LOG_FULL:
         return with_log(motion, len(motion.spans))
-    triangles = int(mesh.count[TRIANGLES])
-    if len(motion.spans) - motion.state[STRUTS] < triangles:
-        motion = with_log(motion, triangles)
     motion.moment[0] = motion.state[NOW]
-    end_all(mesh, motion)
+    motion = all_ended(mesh, motion)
     build(mesh, mesh.count[POINTS])
     certify_all(mesh, motion)
     return motion

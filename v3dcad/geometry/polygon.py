@@ -25,14 +25,13 @@ LOW, HIGH, FOOT, HEAD, GAIN, BELOW, ABOVE = range(7)
 its left to its right, and its x at the bottom and at the top of a slab."""
 
 
-@linked(PLACE(FLOAT_ROWS, INTS, WORD, WORD), **INTERNAL)
-def _fault_in(corners, starts, rings_from, rings_to):  # type: ignore[no-untyped-def]
+@linked(PLACE(FLOAT_ROWS, INTS, WORD, WORD, FLOAT_ROWS, INTS), **INTERNAL)
+def _fault_in(corners, starts, rings_from, rings_to, segments, order):  # type: ignore[no-untyped-def]
     """Where one layer's rings wind neither 0 times nor once: the layer's first corner, x, y; or −1
-    and no place.
+    and no place. There must be room for its `segments` (k, 7) and their `order` (k,).
     """
     first = starts[rings_from]
     count = starts[rings_to] - first
-    segments, order = np.empty((count, 7)), np.empty(count, np.int64)
     left = low = np.inf
     right = high = -np.inf
     for ring in range(rings_from, rings_to):
@@ -113,6 +112,10 @@ def winding_fault(corners, starts, layers):  # type: ignore[no-untyped-def]
     Closed rings: layer l has rings layers[l] … layers[l + 1], and ring k is corners (r, 2) from
     starts[k] to starts[k + 1].
     """
+    most = 0
+    for layer in range(len(layers) - 1):
+        most = max(most, starts[layers[layer + 1]] - starts[layers[layer]])
+    segments, order = np.empty((most, 7)), np.empty(most, np.int64)
     for layer in range(len(layers) - 1):
         first, count = starts[layers[layer]], starts[layers[layer + 1]] - starts[layers[layer]]
         if layer > 0 and count == first - starts[layers[layer - 1]]:
@@ -122,7 +125,7 @@ def winding_fault(corners, starts, layers):  # type: ignore[no-untyped-def]
                     same = same and corners[corner, k] == corners[corner - count, k]
             if same:  # as on the layer before
                 continue
-        found, x, y = _fault_in(corners, starts, layers[layer], layers[layer + 1])
+        found, x, y = _fault_in(corners, starts, layers[layer], layers[layer + 1], segments, order)
         if found >= 0:
             return layer, x, y
     return -1, 0.0, 0.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import INTERNAL
+from v3dcad.geometry.exact import ALLOCATING, INTERNAL
 
 FLOAT = types.float64
 HEAP = types.Array(FLOAT, 1, "C", readonly=True)
@@ -35,7 +35,7 @@ def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     return low
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
     """Values and slopes (degree + 1,) of the basis functions that do not vanish on a span.
 

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.contours import Stretch, contours
-from v3dcad.geometry.exact import COMPILED, INTERNAL
+from v3dcad.geometry.exact import ALLOCATING, COMPILED
 from v3dcad.geometry.surface_mesh import SurfaceMesh, project
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Layer, Run, Section
@@ -119,7 +119,7 @@ def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignor
     return moved
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _solved(heap, place, height, end, way, u, v):  # type: ignore[no-untyped-def]
     """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
     length = np.hypot(way[0], way[1])

@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.curves import LINE, curve_at
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.splines import FLOAT, HEAP
 from v3dcad.geometry.surfaces import PLANE, height_at, surface_at
@@ -140,7 +140,7 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     return found, best
 
 
-@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **INTERNAL)
+@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **ALLOCATING)
 def project(heap, surface, point, u, v):  # type: ignore[no-untyped-def]
     """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
     for _ in range(20):

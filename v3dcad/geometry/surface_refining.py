@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.exact import COMPILED, INTERNAL
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, depth, project, turning_point, turning_points
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Ints
@@ -147,7 +147,7 @@ def _refine(  # type: ignore[no-untyped-def]
     return node - first_node
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _look(waiting, heap, surfaces, mesh, edge):  # type: ignore[no-untyped-def]
     """Have an edge split if it is not monotone."""
     place = surfaces[mesh.edge_faces[edge]]
@@ -246,7 +246,7 @@ def _set_edge(  # type: ignore[no-untyped-def]
     mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = c, d
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _set_node(mesh, node, heap, place, u, v):  # type: ignore[no-untyped-def]
     s = surface_at(heap, place, u, v)
     mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = s[0, 0], s[0, 1], s[0, 2]

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, conic_at
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.mesh_section import SNAP, is_thin
 from v3dcad.geometry.splines import FLOAT, HEAP, ROWS
@@ -131,7 +131,7 @@ def trace(  # type: ignore[no-untyped-def]
     return out[:written].copy(), new_starts, runs[:made], numbers[:made]
 
 
-@linked(ROWS(ROWS, WORD, WORD), **INTERNAL)
+@linked(ROWS(ROWS, WORD, WORD), **ALLOCATING)
 def _with_room(out, written, more):  # type: ignore[no-untyped-def]
     """The array, or its content in a greater one if it has no room for more rows."""
     if written + more <= len(out):
@@ -167,7 +167,7 @@ def _crossing(  # type: ignore[no-untyped-def]
     return points[crossing, 0], points[crossing, 1], u, v
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _between(heap, place, height, one, other):  # type: ignore[no-untyped-def]
     """The point of the level line half way between two of its points: Newton's method on
     z(u, v) = height and (x, y) on the perpendicular bisector.
@@ -198,7 +198,7 @@ def _between(heap, place, height, one, other):  # type: ignore[no-untyped-def]
     return False, middle_x, middle_y, u, v
 
 
-@linked(WORD(HEAP, WORD, FLOAT, PLACE, PLACE, FLOAT, ROWS, WORD), **INTERNAL)
+@linked(WORD(HEAP, WORD, FLOAT, PLACE, PLACE, FLOAT, ROWS, WORD), **ALLOCATING)
 def _follow(heap, place, height, one, other, tolerance, out, written):  # type: ignore[no-untyped-def]
     """Write the first point and what is needed between it and the other, which is not written.
 

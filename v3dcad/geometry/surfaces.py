@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
 
@@ -60,7 +60,7 @@ def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
     return radius + along, rise, -rise, along
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
     v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
@@ -96,7 +96,7 @@ def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@linked(SURFACE_AT, **INTERNAL)
+@linked(SURFACE_AT, **ALLOCATING)
 def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     kind = int(heap[place])
     if kind == SPLINE_SURFACE:
@@ -155,7 +155,7 @@ def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return result
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
     s = _plain_at(heap, int(heap[place + 2]), u, v)
     x = s[1, 1] * s[2, 2] - s[1, 2] * s[2, 1]
@@ -165,7 +165,7 @@ def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
     return s[0, 0] + share * x, s[0, 1] + share * y, s[0, 2] + share * z
 
 
-@njit(**INTERNAL)
+@njit(**ALLOCATING)
 def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """The point is exact; the tangents, which only steer Newton steps, are differences."""
     step = 1e-6
@@ -188,7 +188,7 @@ def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     return _plain_at(heap, place, u, v)
 
 
-@linked(types.UniTuple(FLOAT, 3)(HEAP, WORD, FLOAT, FLOAT), **INTERNAL)
+@linked(types.UniTuple(FLOAT, 3)(HEAP, WORD, FLOAT, FLOAT), **ALLOCATING)
 def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
     kind = int(heap[place])

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.exact import ALLOCATING, INLINED, INTERNAL, POINT_ROWS, WORD
 from v3dcad.geometry.flips import (
     ACROSS,
     MESH,
@@ -228,13 +228,22 @@ def _join(mesh, tree, a, b):  # type: ignore[no-untyped-def]
         _hang(tree, start, b if start == a else a)
 
 
-@linked(types.void(TREE, WORD, PAIRS), **INTERNAL)
-def _hang_all(tree, points, branches):  # type: ignore[no-untyped-def]
-    """Make the tree of so many points out of its branches."""
-    size, piece = np.empty(points, np.int32), np.empty(points, np.int32)
-    for point in range(points):
+@linked(types.void(MESH, CUT, TREE), **ALLOCATING)
+def _make_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
+    """Make it the tree of the cut's neighbours from scratch."""
+    points, pair_at, halves, crossed = mesh.points, cut.pair_at, cut.halves, cut.crossed
+    size, piece, whole = tree.found[0], tree.found[1], cut.state[WHOLE]
+    edges, many = whole + cut.state[CROSSED], 0
+    pairs = np.empty((edges, 2), np.int64)
+    for edge in range(edges):
+        key = halves[edge, 0] if edge < whole else crossed[edge - whole]
+        if _may_be_branch(points, mesh.triangles, pair_at, key):
+            pairs[many, 0], pairs[many, 1] = pair_at[key] >> 32, pair_at[key] & MASK
+            many += 1
+    for point in range(mesh.count[POINTS]):
         size[point], piece[point] = 1, point
         tree.above[point] = tree.below[point] = NOTHING
+    branches = kruskal(points, pairs[:many])
     for branch in range(len(branches)):
         a, b = branches[branch, 0], branches[branch, 1]
         c, d = root_of(piece, a), root_of(piece, b)
@@ -249,17 +258,9 @@ def _hang_all(tree, points, branches):  # type: ignore[no-untyped-def]
 def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
     """Make it the tree of the cut's neighbours again, after what the cut says has changed."""
     above, pair_at, before, changed = tree.above, cut.pair_at, cut.before, cut.changed
-    points, triangles = mesh.points, mesh.triangles
-    count, whole = cut.state[CHANGED], cut.state[WHOLE]
-    if FEW * count > whole + cut.state[CROSSED]:
-        halves, crossed, edges = cut.halves, cut.crossed, whole + cut.state[CROSSED]
-        pairs, many = np.empty((edges, 2), np.int64), 0
-        for edge in range(edges):
-            key = halves[edge, 0] if edge < whole else crossed[edge - whole]
-            if _may_be_branch(points, triangles, pair_at, key):
-                pairs[many, 0], pairs[many, 1] = pair_at[key] >> 32, pair_at[key] & MASK
-                many += 1
-        _hang_all(tree, mesh.count[POINTS], kruskal(points, pairs[:many]))
+    count = cut.state[CHANGED]
+    if FEW * count > cut.state[WHOLE] + cut.state[CROSSED]:
+        _make_tree(mesh, cut, tree)
     else:
         for place in range(count):
             key = changed[place]
@@ -281,7 +282,7 @@ def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
                 and pair != before[key]
                 and above[a] != b
                 and above[b] != a
-                and _may_be_branch(points, triangles, pair_at, key)
+                and _may_be_branch(mesh.points, mesh.triangles, pair_at, key)
             ):
                 _join(mesh, tree, a, b)
     for place in range(count):

@@ -4,8 +4,8 @@ Rings are walked through the diagram instead of clipping cells: along a segment 
 functions of the sites are linear (but for a common square), so that the cells it passes are the
 lower envelope of lines. A closed walk enters every cell as often as it leaves it; hence the
 winding number of each diagram vertex, summed along the diagram's edges, is the same by every path,
-whatever the rounding. Rings are walked a `HAIR` to their left, so that what they only touch lies
-outside: vertices and edges exactly on a contour, and the cells behind them.
+whatever the rounding. Rings come a hair to their left, so that what they only touch lies outside:
+vertices and edges exactly on a contour, and the cells behind them.
 
 Names: a *cell* is a point of the triangulation; a *crossing* is where a ring goes from cell to
 cell, over the diagram's edge that is dual to one of the triangulation.
@@ -13,7 +13,6 @@ cell, over the diagram's edge that is dual to one of the triangulation.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
@@ -24,8 +23,9 @@ EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's
 edge from this triangle to the one across; the segment that crosses; the cell that it enters."""
 
-HAIR = 2.0**-20
-"""Grid steps: far above the rounding of a walk, 1e-8 steps, and too little to be seen elsewhere."""
+FULL, OPEN = -1, -2
+"""What a walk returns instead of a number of crossings: where there is no room for one more, and
+where a ring does not close."""
 
 LAPS = 4
 """A walk whose first point lies on an edge may end in the cell beside the one it began in; it then
@@ -35,7 +35,6 @@ FLOAT = types.float64
 FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
 INTS, INT_ROWS = types.int64[::1], types.int64[:, ::1]
 ROW, ROWS = types.int32[::1], types.int32[:, ::1]
-WALKED = types.Tuple((WORD, ROWS, FLOATS))
 
 
 @njit(FLOAT(POINT_ROWS, WORD, FLOAT, FLOAT), **INLINED)
@@ -81,14 +80,13 @@ def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
         cell, own = nearest, least
 
 
-@linked(
-    WALKED(MESH, ROWS, FLOATS, WORD, WORD, *[FLOAT] * 4, WORD),
-    **INTERNAL,
-)
+@linked(WORD(MESH, ROWS, FLOATS, WORD, WORD, *[FLOAT] * 4, WORD), **INTERNAL)
 def walk_segment(  # type: ignore[no-untyped-def]
     mesh, crossings, at, count, cell, ax, ay, bx, by, segment
 ):
-    """Append the crossings of the segment a → b, which begins in `cell`."""
+    """Append the crossings of the segment a → b, which begins in `cell`, to the first `count`;
+    returns how many there are then, or `FULL`.
+    """
     points, triangles, triangle_of = mesh.points, mesh.triangles, mesh.triangle_of
     reached = 0.0
     while True:
@@ -119,15 +117,10 @@ def walk_segment(  # type: ignore[no-untyped-def]
             if triangle == first:
                 break
         if ahead == NOTHING:
-            return count, crossings, at
+            return count
         reached = min(max(reached, soonest), 1.0)
         if count == len(at):
-            shorter, at_shorter = crossings, at
-            crossings, at = np.empty((2 * count, 4), np.int32), np.empty(2 * count)
-            for row in range(count):
-                at[row] = at_shorter[row]
-                for column in range(4):
-                    crossings[row, column] = shorter[row, column]
+            return FULL
         crossings[count, EDGE], crossings[count, WINDING] = crossed, winding
         crossings[count, SEGMENT], crossings[count, INTO] = segment, ahead
         at[count] = reached
@@ -135,22 +128,19 @@ def walk_segment(  # type: ignore[no-untyped-def]
         cell = ahead
 
 
-@linked(
-    WALKED(MESH, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS),
-    **INTERNAL,
-)
+@linked(WORD(MESH, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS), **INTERNAL)
 def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: ignore[no-untyped-def]
-    """Walk the rings (corners (r, 2) in grid steps, ring k from starts[k] to starts[k + 1]),
-    `after` each corner the next.
+    """Walk a layer's rings (corners (r, 2) in grid steps, `after` each the next on its ring; where
+    each ring begins, counted from anywhere).
 
-    Fills `begun_in` (rings,) with the cell that each begins in; returns the number of crossings,
-    or −1 where a ring does not close, and the arrays of them, which may have been replaced.
+    Fills `begun_in` (rings,) with the cell that each begins in, `crossings` and `at`; returns the
+    number of crossings, or else `FULL` or `OPEN`.
     """
     cell, count = SENTINELS, 0
     while mesh.triangle_of[cell] == NOTHING:
         cell += 1
     for ring in range(len(starts) - 1):
-        start, stop = starts[ring], starts[ring + 1]
+        start, stop = starts[ring] - starts[0], starts[ring + 1] - starts[0]
         if start == stop:
             continue
         cell = cell_at(mesh, cell, corners[start, 0], corners[start, 1])
@@ -159,7 +149,7 @@ def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: 
             begun_in[ring] = cell
             for segment in range(start, stop):
                 end = after[segment]
-                count, crossings, at = walk_segment(
+                count = walk_segment(
                     mesh,
                     crossings,
                     at,
@@ -171,33 +161,13 @@ def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: 
                     corners[end, 1],
                     segment,
                 )
+                if count == FULL:
+                    return FULL
                 if count > since:
                     cell = crossings[count - 1, INTO]
             if cell == begun_in[ring]:
                 break
             lap, count = lap + 1, since
             if lap == LAPS:
-                return -1, crossings, at
-    return count, crossings, at
-
-
-@linked(types.void(FLOAT_ROWS, INTS, *[FLOAT] * 3, INTS, FLOAT_ROWS), **INTERNAL)
-def link_corners(corners, starts, left, low, pitch, after, stepped):  # type: ignore[no-untyped-def]
-    """Fill `after` (r,), which corner follows each on its ring, and `stepped` (r, 2), where the
-    rings' corners (r, 2), mm, lie in grid steps, moved a `HAIR` to the left of either side there.
-
-    (`left`, `low`), mm, and `pitch` say where the grid lies.
-    """
-    for ring in range(len(starts) - 1):
-        for corner in range(starts[ring], starts[ring + 1]):
-            after[corner] = corner + 1 if corner + 1 < starts[ring + 1] else starts[ring]
-            stepped[corner, 0] = (corners[corner, 0] - left) / pitch
-            stepped[corner, 1] = (corners[corner, 1] - low) / pitch
-    for corner in range(len(corners)):
-        end = after[corner]
-        x, y = corners[end, 0] - corners[corner, 0], corners[end, 1] - corners[corner, 1]
-        length = np.sqrt(x * x + y * y)
-        if length > 0.0:
-            x, y = HAIR * x / length, HAIR * y / length
-            stepped[corner, 0], stepped[corner, 1] = stepped[corner, 0] - y, stepped[corner, 1] + x
-            stepped[end, 0], stepped[end, 1] = stepped[end, 0] - y, stepped[end, 1] + x
+                return OPEN
+    return count

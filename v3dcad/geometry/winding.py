@@ -7,7 +7,6 @@ only right ones. Inside they are 1, but where a part is thinner than rounding.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import types
 
 from v3dcad.geometry.exact import INTERNAL, WORD
@@ -59,21 +58,20 @@ def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
     return fits and inside[outermost] == 0
 
 
-@linked(WORD(MESH, CUT, ROWS, WORD, ROW, ROW, WORD), **INTERNAL)
-def chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignore[no-untyped-def]
-    """Chain the crossings on each edge in place of those before; lists the triangles beside edges
-    whose gain has changed, and returns how many are listed.
+@linked(WORD(MESH, CUT, ROWS, WORD, ROW, WORD), **INTERNAL)
+def chain(mesh, cut, crossings, count, next_on, length):  # type: ignore[no-untyped-def]
+    """Chain the crossings on each edge in place of those before, which come to `cut.former`; adds
+    the triangles beside edges whose gain has changed to the first `length` of `cut.listed`, and
+    returns how many are listed then.
     """
-    triangles, inside = mesh.triangles, cut.inside
-    first_on, gain, crossed = cut.first_on, cut.gain, cut.crossed
-    keys, past = np.empty(cut.state[CROSSED] + count, np.int32), cut.state[CROSSED]
+    triangles, inside, listed, former = mesh.triangles, cut.inside, cut.listed, cut.former
+    first_on, gain, crossed, past = cut.first_on, cut.gain, cut.crossed, cut.state[CROSSED]
     for place in range(past):
-        keys[place] = crossed[place]
-        first_on[keys[place]] = NONE
+        former[place] = crossed[place]
+        first_on[former[place]] = NONE
     some = 0
     for crossing in range(count):
         key = crossings[crossing, EDGE]
-        keys[past + crossing] = key
         gain[key, 1] += crossings[crossing, WINDING]
         next_on[crossing] = first_on[key]
         if first_on[key] < 0:
@@ -81,10 +79,12 @@ def chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignore
             some += 1
         first_on[key] = crossing
     cut.state[CROSSED] = some
-    for key in keys:
+    for place in range(past + count):
+        key = former[place] if place < past else crossings[place - past, EDGE]
         if gain[key, 0] != gain[key, 1]:
             gain[key, 0] = gain[key, 1]
-            for triangle in (np.int64(key // 3), np.int64(triangles[key // 3, ACROSS + key % 3])):
+            for side in range(2):
+                triangle = triangles[key // 3, ACROSS + key % 3] if side else key // 3
                 if (
                     triangle != NOTHING
                     and triangles[triangle, 0] != NOTHING
@@ -93,6 +93,8 @@ def chain(mesh, cut, crossings, count, next_on, listed, length):  # type: ignore
                     inside[triangle] = UNKNOWN
                     listed[length] = triangle
                     length += 1
-    for key in keys:
-        gain[key, 1] = 0
+    for place in range(past):
+        gain[former[place], 1] = 0
+    for crossing in range(count):
+        gain[crossings[crossing, EDGE], 1] = 0
     return length

@@ -214,14 +214,14 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
     points, triangles, corners, vertex_of = mesh.points, mesh.triangles, cut.corners, cut.vertex_of
     growth, time, now = motion.growth, motion.state[NOW], float(motion.state[NOW])
     before, born, state = mesh.count[POINTS], 0, shortlist.state
-    parents = np.empty((wanted, 3), np.int32)
+    heap, places, parents = shortlist.heap, shortlist.places, shortlist.parents
     _list_points(mesh, growth, squares)
     for attempt in range(3):  # with the old shortlist, a new one, and all holes
         if attempt == 0 and not look_again(mesh, motion, cut, shortlist):
             continue
         if attempt > 0:
             list_holes(mesh, motion, cut, shortlist, SHARE if attempt == 1 else 0.0, gain)
-        heap, places, length = np.empty(state[LENGTH]), np.empty(state[LENGTH], np.int32), 0
+        length = 0
         for place in range(state[LENGTH]):
             triangle = shortlist.holes[place]
             vertex = vertex_of[triangle]

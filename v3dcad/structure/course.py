@@ -11,8 +11,8 @@ from v3dcad.geometry.agenda import ALWAYS, LAST, LEAST, MOST, STRUTS, with_log
 from v3dcad.geometry.epochs import FIRST, Epoch
 from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import HEAVIEST, UTMOST, Grid
-from v3dcad.geometry.inside import cut_with_room, empty_cut
-from v3dcad.geometry.kinetics import advance, end_all, motion_of, resumed, with_room
+from v3dcad.geometry.inside import CROSSED, VERTICES, cut_with_room, empty_cut
+from v3dcad.geometry.kinetics import advance, all_ended, motion_of, resumed, with_room
 from v3dcad.geometry.polygon import winding_fault
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import triangulation
@@ -24,12 +24,16 @@ from v3dcad.structure.layers import (
     LAYERS,
     NEEDS_ROOM,
     OPEN_WALK,
+    PAGES_FULL,
     ROOM,
     STATUS,
-    Rings,
+    WALKS_FULL,
     Run,
+    pages,
     run,
+    walks,
 )
+from v3dcad.structure.rings import Rings, rings_of
 from v3dcad.structure.timed import SiteStates, Timed
 from v3dcad.structure.walls import Tracks, joined
 
@@ -69,6 +73,7 @@ class Course:
         self._newborns: list[Timed] = []
         self._states = SiteStates(grid, growth_step, sites)
         self._pieces: list[Tracks] = []
+        self._crossings = 64
         first = int(self.times[0])
         weights = sites.base + sites.growth * first
         base, growth = epoch.counts(sites.base, sites.growth, sites.born)
@@ -143,10 +148,7 @@ class Course:
         """Go to where the epoch ends, and note how the vertices have moved in it."""
         while ended := advance(self.mesh, self.motion, self.motion.state[LAST]):
             self.motion = resumed(self.mesh, self.motion, ended)
-        triangles = int(self.mesh.count[TRIANGLES])
-        if len(self.motion.spans) - self.motion.state[STRUTS] < triangles:
-            self.motion = with_log(self.motion, triangles)
-        end_all(self.mesh, self.motion)
+        self.motion = all_ended(self.mesh, self.motion)
         count = int(self.motion.state[STRUTS])
         corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
         self._pieces.append(self._tracks(corners, times, self._bottom + times / self._rate))
@@ -157,20 +159,25 @@ class Course:
         Births are given where the area per cell is above `full_cell`, mm². Raises `GeometryError`
         for a section that cannot be filled.
         """
-        rings = rings_of(sections)
+        rings = rings_of(sections, self.grid)
         _refuse_faults(rings, index)
-        done = 0
+        done = needed = 0
         while done < len(sections):
             self._reach(int(self.times[index + done]))
-            made = self._run_once(_rest(rings, done), index + done, full_cell)
+            rest = _rest(rings, done)
+            made = pages(len(rest.areas), max(self._usual_rows(rest), needed))
+            self._run_once(rest, index + done, full_cell, made)
             self._enter_newborns()
             fault = int(made.outcome[STATUS])
+            needed = int(made.outcome[ROOM]) if fault == PAGES_FULL else 0
+            if fault == WALKS_FULL:
+                self._crossings *= 4
             if fault == NEEDS_ROOM:
                 self._make_room(int(made.outcome[ROOM]))
             if fault == JAMMED:
                 self.motion = resumed(self.mesh, self.motion, fault)
                 self._cut_nothing()
-            yield from self._layers(made, sections[done:], index + done)
+            yield from self._layers(made, rest.areas.tolist(), sections[done:], index + done)
             done += int(made.outcome[LAYERS])
             if fault == OPEN_WALK:
                 raise GeometryError("a ring of its section does not close", layer=index + done)
@@ -219,7 +226,13 @@ class Course:
             some = len(self.motion.spans) + 8 * births + 64
             self.motion = with_log(self.motion, some)
 
-    def _run_once(self, rings: Rings, index: int, full_cell: float) -> Run:
+    def _usual_rows(self, rings: Rings) -> int:
+        """For how many vertices a run should have room: a few more than on the last layer."""
+        state, triangles = self._cut.state, int(self.mesh.count[TRIANGLES])
+        inner = int(state[VERTICES] + 2 * state[CROSSED]) or triangles
+        return len(rings.areas) * (inner + 64) + 2 * len(rings.corners) + triangles
+
+    def _run_once(self, rings: Rings, index: int, full_cell: float, made: Run) -> None:
         room = len(self.mesh.points)
         site_of = np.arange(room) - SENTINELS
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
@@ -229,9 +242,7 @@ class Course:
             self._tree, self._squares = tree_with_room(self._tree, room), no_squares(room)
             self._shortlist = no_shortlist(slots)
         left, low = self.grid.origin
-        times = self.times[index : index + len(rings.layers) - 1] - self.epochs[-1].start
-        reach = self.growth_step / (2 * self.slope) / self.grid.pitch
-        made: Run = run(
+        run(
             self.mesh,
             self.motion,
             self._cut,
@@ -240,39 +251,39 @@ class Course:
             self._shortlist,
             site_of,
             rings,
-            times,
+            self.times[index : index + len(rings.areas)] - self.epochs[-1].start,
+            walks(self._crossings, len(rings.starts), room),
+            made,
             float(left),
             float(low),
             self.grid.pitch,
-            reach,
+            self.growth_step / (2 * self.slope) / self.grid.pitch,
             full_cell,
         )
-        return made
 
-    def _layers(self, made: Run, sections: Sequence[Section], index: int) -> Iterator[Layer]:
-        """The layers of a run, as views of its arrays."""
+    def _layers(
+        self, made: Run, areas: list[float], sections: Sequence[Section], index: int
+    ) -> Iterator[Layer]:
+        """The layers of a run, as views of its arrays; `areas`, mm², are those of the sections."""
         for array in (made.vertices, made.edges, made.sites, made.tree):
             array.flags.writeable = False  # so that the values need no views of their own
-        edge_rows, pair_rows, tree_rows = (
-            rows.tolist() for rows in (made.edge_rows, made.pair_rows, made.tree_rows)
-        )
+        points, cells, graphs, vertex_rows, edge_rows, pair_rows, tree_rows = made.rows.T.tolist()
         graph = -1
         for layer in range(int(made.outcome[LAYERS])):
-            if made.graphs[layer] != graph:
-                graph = int(made.graphs[layer])
+            if graphs[layer] != graph:
+                graph = graphs[layer]
                 row, end = edge_rows[graph], edge_rows[graph + 1]
                 edges, edge_sites = made.edges[row:end], made.sites[row:end]
                 neighbours = made.sites[row : pair_rows[graph]]
                 tree = made.tree[tree_rows[graph] : tree_rows[graph + 1]]
-            count, cells = int(made.points[layer]) - SENTINELS, int(made.cells[layer])
-            vertices = made.vertices[made.vertex_rows[layer] : made.vertex_rows[layer + 1]]
+            vertices = made.vertices[vertex_rows[layer] : vertex_rows[layer + 1]]
             yield Layer(
                 index + layer,
                 sections[layer],
-                self._states.at(count, int(self.times[index + layer])),
+                self._states.at(points[layer] - SENTINELS, int(self.times[index + layer])),
                 Diagram(vertices, edges, edge_sites, neighbours),
                 tree,
-                float(made.areas[layer]) / max(cells, 1),
+                areas[layer] / max(cells[layer], 1),
             )
 
 
@@ -281,17 +292,8 @@ def times_of(heights: Floats, growth_step: float, grid: Grid) -> Ints:
     return np.rint(heights * (growth_step / grid.pitch**2)).astype(np.int64)
 
 
-def rings_of(sections: Sequence[Section]) -> Rings:
-    """The rings of sections as long arrays."""
-    rings = [ring for section in sections for ring in section.rings]
-    layers = np.cumsum([0, *(len(section.rings) for section in sections)])
-    starts = np.cumsum([0, *map(len, rings)])
-    corners = np.concatenate(rings) if rings else np.empty((0, 2))
-    return Rings(np.ascontiguousarray(corners, np.float64), starts, layers)
-
-
 def _rest(rings: Rings, layers: int) -> Rings:
-    return rings._replace(layers=rings.layers[layers:])
+    return rings._replace(layers=rings.layers[layers:], areas=rings.areas[layers:])
 
 
 def _refuse_faults(rings: Rings, index: int) -> None:

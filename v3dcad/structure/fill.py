@@ -32,6 +32,11 @@ VERTICES_AT_ONCE = 1 << 16
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
 
+KEPT = 31 << 20
+"""Bytes. Once an array of this size has been freed, which costs nothing if nobody writes to it, the
+C library of Linux keeps smaller ones for the next to come. It would hand each back to the system,
+to get it anew page by page: a third of the time of filling. 32 MiB is the most that it allows."""
+
 
 def fill_sections(
     sections: Sequence[Section],
@@ -311,6 +316,7 @@ class Filling:
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""
+        np.empty(KEPT, np.uint8)
         if self.sections:
             course = self._course(self._start, self._heights)
             yield from self._climb(course)

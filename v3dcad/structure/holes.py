@@ -43,13 +43,21 @@ class Shortlist(NamedTuple):
     """(t,) int32: their triangles"""
     listed: Any
     """(t,) int32: what there is to say of each triangle, or 0"""
+    heap: Any
+    """(t,) float64: room for the sizes of those that may get newborns next, largest first,"""
+    places: Any
+    """(t,) int32: their triangles,"""
+    parents: Any
+    """(t, 3) int32: and the parents of the newborns"""
     bar: Any
     """(1,) float64, steps²"""
     state: Any
     """(3,) int64"""
 
 
-SHORTLIST = TupleType([ROW, ROW, FLOATS, types.int64[::1]], Shortlist)
+SHORTLIST = TupleType(
+    [ROW, ROW, FLOATS, ROW, types.int32[:, ::1], FLOATS, types.int64[::1]], Shortlist
+)
 
 
 def no_shortlist(triangles: int) -> Shortlist:
@@ -57,6 +65,9 @@ def no_shortlist(triangles: int) -> Shortlist:
     return Shortlist(
         np.empty(triangles, np.int32),
         np.zeros(triangles, np.int32),
+        np.empty(triangles),
+        np.empty(triangles, np.int32),
+        np.empty((triangles, 3), np.int32),
         np.zeros(1),
         np.array([0, ALWAYS, ALWAYS]),
     )
