@@ -23,8 +23,11 @@ THEIRS = (
     "v3dcad.geometry.cut",
     "v3dcad.geometry.graph",
     "v3dcad.geometry.tree",
+    "v3dcad.geometry.surface_section",
+    "v3dcad.geometry.gapes",
 )
-"""those that meanwhile a second process compiles: needed last, and as much work."""
+"""those that meanwhile a second process compiles: needed last, and as much work; then those that cut
+a STEP part's surfaces, which the first process needs after the engine."""
 
 
 def load_engine() -> None:
