@@ -119,7 +119,8 @@ def listener(monkeypatch: pytest.MonkeyPatch) -> tuple[object, list[list[str]]]:
     monkeypatch.setattr(compiling.os, "cpu_count", lambda: 2)
     with monkeypatch.context() as patch:
         patch.setattr(event, "register", lambda kind, listener: listeners.append(listener))
-        compiling.tell_of_compiling(*compiling.THEIRS)
+        patch.setattr(compiling, "import_module", lambda _: None)
+        compiling.load_engine()
     return listeners[0], started
 
 
@@ -150,18 +151,19 @@ def test_on_one_processor_compiling_is_not_shared(
 def test_the_second_process_compiles_what_the_engine_needs(
     listener: tuple[object, list[list[str]]],
 ) -> None:
-    from v3dcad.commands.compiling import OURS, THEIRS
+    from v3dcad.commands.compiling import OURS, SLICING, THEIRS
 
     heard, started = listener
     heard.on_start(None)
     ((*python, code),) = started
     assert python == [sys.executable, "-c"]
     loaded = code.rsplit("import ", 1)[1].split(", ")
-    assert loaded == list(THEIRS)
-    show = f"import sys, {', '.join(OURS)}; print(set({loaded!r}) - set(sys.modules))"
-    done = subprocess.run(
-        [sys.executable, "-c", show], capture_output=True, encoding="utf-8", check=True,
-        env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
-    )  # fmt: skip
-    assert done.stdout.strip() == "set()", "nothing that would not be loaded anyway"
+    assert loaded == [*THEIRS, *SLICING]
+    for needed, ours in ((THEIRS, OURS), (SLICING, ("v3dcad.kernel.load", "v3dcad.slicing"))):
+        show = f"import sys, {', '.join(ours)}; print(set({needed!r}) - set(sys.modules))"
+        done = subprocess.run(
+            [sys.executable, "-c", show], capture_output=True, encoding="utf-8", check=True,
+            env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
+        )  # fmt: skip
+        assert done.stdout.strip() == "set()", "nothing that would not be loaded anyway"
     subprocess.run([*python, code], cwd="/", check=True)  # finds the package from anywhere

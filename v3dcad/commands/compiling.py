@@ -23,16 +23,16 @@ THEIRS = (
     "v3dcad.geometry.cut",
     "v3dcad.geometry.graph",
     "v3dcad.geometry.tree",
-    "v3dcad.geometry.surface_section",
-    "v3dcad.geometry.gapes",
 )
-"""those that meanwhile a second process compiles: needed last, and as much work; then those that cut
-a STEP part's surfaces, which the first process needs after the engine."""
+"""those that meanwhile a second process compiles: needed last, and as much work."""
+
+SLICING = ("v3dcad.geometry.surface_section", "v3dcad.geometry.gapes")
+"""What it then compiles: for the sections of a STEP part, which come after the engine is loaded."""
 
 
 def load_engine() -> None:
     """Load the engine; where that means to compile it, by two processes."""
-    tell_of_compiling(*THEIRS)
+    tell_of_compiling(*THEIRS, *SLICING)
     for module in OURS:
         import_module(module)
 
