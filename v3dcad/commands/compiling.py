@@ -12,17 +12,18 @@ from importlib import import_module
 OURS = (
     "v3dcad.geometry.kinetics",
     "v3dcad.structure.births",
-    "v3dcad.geometry.support",
     "v3dcad.structure.layers",
     "v3dcad.structure.fill",
+    "v3dcad.geometry.support",
 )
 """Modules of the engine in the order in which this process loads them, and so compiles what
 numba's cache has not; and"""
 THEIRS = (
     "v3dcad.geometry.polygon",
     "v3dcad.geometry.cut",
-    "v3dcad.geometry.graph",
     "v3dcad.geometry.tree",
+    "v3dcad.geometry.graph",
+    "v3dcad.geometry.support",
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
 
