@@ -31,9 +31,12 @@ ALLOCATING = {**COMPILED, "no_cpython_wrapper": True}
 """How functions are that only compiled code calls: without a way in from Python, which
 costs a second to compile. To call one from Python is to crash."""
 
-INTERNAL = {**ALLOCATING, "_nrt": False}
-"""How most of them are: they make no arrays and hand none back, so that references need not be
-counted. Each look into a bundle of arrays would count one, atomically: a quarter of all time."""
+UNCOUNTED = {**COMPILED, "_nrt": False}
+"""How functions are that make no arrays and hand none back, so that references need not be counted.
+Each look into a bundle of arrays would count one, atomically: a quarter of all time."""
+
+INTERNAL = {**UNCOUNTED, "no_cpython_wrapper": True}
+"""How most functions are: both."""
 
 INLINED = {**INTERNAL, "forceinline": True}
 """How the small ones are: calls that pass many arrays cost more than they do."""

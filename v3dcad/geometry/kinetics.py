@@ -32,7 +32,7 @@ from v3dcad.geometry.agenda import (
     push,
     with_log,
 )
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD, conflicts
+from v3dcad.geometry.exact import INTERNAL, UNCOUNTED, WORD, conflicts
 from v3dcad.geometry.flips import (
     ACROSS,
     FLIP,
@@ -123,7 +123,7 @@ def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
         _certify(mesh, motion, triangle, i, -NEVER)
 
 
-@njit(types.void(MESH, MOTION), **COMPILED)
+@njit(types.void(MESH, MOTION), **UNCOUNTED)
 def certify_all(mesh, motion):  # type: ignore[no-untyped-def]
     """Begin with the triangulation as it stands: every triangle begins now."""
     motion.state[DUE] = 0
@@ -137,7 +137,7 @@ def certify_all(mesh, motion):  # type: ignore[no-untyped-def]
                     _certify(mesh, motion, triangle, i, -NEVER)
 
 
-@linked(WORD(MESH, MOTION, WORD), **COMPILED)
+@linked(WORD(MESH, MOTION, WORD), **UNCOUNTED)
 def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
     """Bring the triangulation to a later whole time. Says how that has ended: `ADVANCED`, or short
     of it, to be gone on with after `resumed`.

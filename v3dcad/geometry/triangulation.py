@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD, conflicts
+from v3dcad.geometry.exact import INLINED, INTERNAL, UNCOUNTED, WORD, conflicts
 from v3dcad.geometry.flips import (
     ACROSS,
     FAR,
@@ -95,7 +95,7 @@ def insert(mesh, point, triangle):  # type: ignore[no-untyped-def]
     return mesh.triangle_of[point]
 
 
-@njit(types.void(MESH, WORD), **COMPILED)
+@njit(types.void(MESH, WORD), **UNCOUNTED)
 def build(mesh, count):  # type: ignore[no-untyped-def]
     """Triangulate the first `count` points, sentinels among them, anew."""
     triangles, far = mesh.triangles, FAR

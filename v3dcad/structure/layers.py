@@ -14,7 +14,7 @@ from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.agenda import EVERYTHING, LAST, MOTION, STRUTS, TOUCHED
 from v3dcad.geometry.cut import count_cells, renew_cut
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import INTERNAL, UNCOUNTED, WORD
 from v3dcad.geometry.flips import MESH, POINTS
 from v3dcad.geometry.graph import place_vertices, write_edges
 from v3dcad.geometry.inside import CROSSED, CUT, MOST, VERTICES, WHOLE
@@ -155,7 +155,7 @@ def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
         MESH, MOTION, CUT, TREE, SQUARES, SHORTLIST, INTS, RINGS, INTS, WALKS, RUN,
         *[types.float64] * 5,
     ),
-    **{**COMPILED, "_nrt": False},
+    **UNCOUNTED,
 )  # fmt: skip
 def run(  # type: ignore[no-untyped-def]
     mesh, motion, cut, tree, squares, shortlist, site_of, rings, times, walks, made, left, low,
