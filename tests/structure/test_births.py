@@ -93,3 +93,35 @@ def test_sections_below_the_bed_and_rings_without_area_are_refused() -> None:
         fill_sections([Section(0.0, (BLOCK[:2],))], scatter(1), FillSettings())
     with pytest.raises(GeometryError, match="layer 0: one of its rings has fewer than three"):
         fill_sections([Section(0.0, (np.empty((0, 2)),))], scatter(1), FillSettings())
+
+
+def test_what_cannot_be_asked_for_is_refused() -> None:
+    filling = fill_sections(block(3), scatter(8), FillSettings())
+    for ring, words in [
+        (np.empty((0, 2)), "fewer than three"),
+        (BLOCK[:2], "fewer than three"),
+        (BLOCK * np.nan, "finite"),
+        (BLOCK * np.inf, "finite"),
+    ]:
+        with pytest.raises(GeometryError, match=words):
+            filling.at(0.3, Section(0.3, (BLOCK, ring)))
+    box = np.array([[-20.0, -20], [20, 20]])
+    with pytest.raises(GeometryError, match="layer 1: its rings are not finite"):
+        fill_sections([*block(1), Section(1.0, (BLOCK * np.nan,))], scatter(8), FillSettings(), box)
+    with pytest.raises(GeometryError, match="base rectangle are not finite"):
+        fill_sections(block(3), scatter(8), FillSettings(), box * np.nan)
+    for point, words in [
+        ((0, 0, np.nan), "finite"),
+        ((np.inf, 0, 0), "finite"),
+        ((0, 0, 1e12), "safe range"),
+    ]:
+        with pytest.raises(GeometryError, match=words):
+            filling.sites_at(np.array([(0.0, 0, 0.2), point]))
+
+
+def test_more_births_than_holes_need_no_room() -> None:
+    """A part that stands on a tip asks for more cells than any memory holds."""
+    sections = [Section(0.0, (BLOCK * 1e-7,)), Section(0.4, (BLOCK,)), Section(0.8, (BLOCK,))]
+    before, first, second = fill_sections(sections, scatter(5), FillSettings()).layers
+    born = [len(layer.state.sites) for layer in (before, first, second)]
+    assert born[0] < born[1] < born[2] < 4 * born[0] + 6 * born[1]

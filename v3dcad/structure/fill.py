@@ -65,9 +65,7 @@ def fill_sections(
     sites = np.asarray(sites, np.float64).reshape(-1, 2)
     if not len(sites):
         raise GeometryError("there are no sites: give at least one")
-    for index, section in enumerate(sections):
-        if any(len(ring) < 3 for ring in section.rings):
-            raise GeometryError("one of its rings has fewer than three corners", layer=index)
+    _refuse_rings(sections)
     heights = np.array([section.z for section in sections])
     for layer in np.nonzero(~np.isfinite(heights))[0]:
         raise GeometryError("its height is not a finite number", layer=int(layer))
@@ -77,7 +75,10 @@ def fill_sections(
         raise GeometryError(
             "it does not lie above the layer before: sort the sections by z", layer=int(layer) + 1
         )
-    box = _bounds(sections) if box is None else box
+    if box is None:
+        box = _bounds(sections)
+    elif not np.isfinite(box).all():
+        raise GeometryError("the corners of the base rectangle are not finite numbers")
     low, high = _around(sites, box)
     grid = Grid.around(low, high)
     places = grid.snap(sites)
@@ -115,6 +116,20 @@ def _around(sites: Floats, box: Floats) -> tuple[Floats, Floats]:
     return low, np.maximum(box[1], sound.max(axis=0, initial=-np.inf))
 
 
+def _refuse_rings(sections: Sequence[Section]) -> None:
+    """Raise `GeometryError` for the first section with a ring that cannot be walked."""
+    for start in range(0, len(sections), AT_ONCE):
+        chunk = sections[start : start + AT_ONCE]
+        for layer, section in enumerate(chunk, start):
+            if any(len(ring) < 3 for ring in section.rings):
+                raise GeometryError("one of its rings has fewer than three corners", layer=layer)
+        rings = [ring for section in chunk for ring in section.rings]
+        if rings and not np.isfinite(np.concatenate(rings)).all():
+            for layer, section in enumerate(chunk, start):
+                if not all(np.isfinite(ring).all() for ring in section.rings):
+                    raise GeometryError("its rings are not finite numbers", layer=layer)
+
+
 def _bounds(sections: Sequence[Section]) -> Floats:
     """The corners low and high (2, 2), mm, of the box around all rings; infinite without any."""
     low, high = [np.full(2, np.inf)], [np.full(2, -np.inf)]
@@ -123,10 +138,6 @@ def _bounds(sections: Sequence[Section]) -> Floats:
         rings = [ring for section in chunk for ring in section.rings]
         if rings:
             corners = np.concatenate(rings)
-            if not np.isfinite(corners).all():
-                for layer, section in enumerate(chunk, start):
-                    if not all(np.isfinite(ring).all() for ring in section.rings):
-                        raise GeometryError("its rings are not finite numbers", layer=layer)
             low.append(corners.min(axis=0))
             high.append(corners.max(axis=0))
     return np.stack([np.min(low, axis=0), np.max(high, axis=0)])
@@ -263,15 +274,21 @@ class Filling:
 
     def at(self, z: float, section: Section | None = None) -> Diagram:
         """The diagram at any height z, mm, cut by a section's rings or else the base rectangle."""
-        rings = (self.box,) if section is None else section.rings
-        return self.slice(Section(z, rings), 0).diagram
+        section = Section(z, (self.box,) if section is None else section.rings)
+        _refuse_rings([section])
+        return self.slice(section, 0).diagram
 
     def sites_at(self, points: Floats) -> Ints:
         """(k,) the site in whose cell each of the points (k, 3), mm, lies, inside a part or not.
 
-        The one alive there with the least power distance: squared distance less weight.
+        The one alive there with the least power distance: squared distance less weight. Raises
+        `GeometryError` for points that are not finite, or so high that weights are not whole.
         """
+        if not np.isfinite(points).all():
+            raise GeometryError("the points' coordinates are not finite numbers")
         sites, square = self.history.sites.by_site(), self.grid.pitch**2
+        for height in (points[:, 2].min(initial=0.0), points[:, 2].max(initial=0.0)):
+            self._refuse_heavy(sites, height)
         places = self.grid.millimetres(sites.places)
         times = times_of(points[:, 2], self.growth_step, self.grid)
         nearest = []

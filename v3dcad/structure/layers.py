@@ -205,7 +205,9 @@ def run(  # type: ignore[no-untyped-def]
                 renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked)
                 token += 1
                 live_cells = count_cells(cut, begun_in, crossings, count, seen, token)
-            wanted = int(np.ceil(rings.areas[layer] / full_cell - 1e-9)) - live_cells
+            # No hole has two newborns, however small the first layer's cells were.
+            wanted = np.ceil(rings.areas[layer] / full_cell - 1e-9) - live_cells
+            wanted = int(min(wanted, float(cut.state[VERTICES])))
             given = motion.born[mesh.count[POINTS] - 1] == times[layer]
             if given or wanted <= 0:
                 break
