@@ -253,3 +253,21 @@ def test_what_64_bits_do_not_hold_is_refused() -> None:
 def test_within_the_safe_range_there_is_one_epoch() -> None:
     filling = pole(2, count=40)
     assert filling.history.epochs == (FIRST,)
+
+
+@pytest.mark.parametrize("seed", [101, 1721])
+def test_struts_that_last_no_height_are_none(seed: int) -> None:
+    """Moments that differ may be the same height: such a strut would have no place in a chain."""
+    square = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
+    sections = [Section(0.0, (0.3 * square,)), *(Section(3e3 * k, (square,)) for k in range(1, 5))]
+    sites = np.random.default_rng(seed).uniform(-20, 20, (30, 2))
+    filling = fill_sections(sections, sites, FillSettings(max_overhang=80.0))
+    spans = filling.history.tracks.spans
+    assert (spans[:, 0] < spans[:, 1]).all()
+    walls = filling.walls
+    for z in 1000.0, 5000.0, 11000.0:
+        _, segments = walls.slice(z)
+        diagram = filling.at(z)
+        assert np.hypot(*(segments[:, 0] - segments[:, 1]).T).sum() == pytest.approx(
+            diagram.lengths()[diagram.inner()].sum(), rel=1e-9
+        )

@@ -151,7 +151,9 @@ class Course:
         self.motion = all_ended(self.mesh, self.motion)
         count = int(self.motion.state[STRUTS])
         corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
-        self._pieces.append(self._tracks(corners, times, self._bottom + times / self._rate))
+        spans = self._bottom + times / self._rate
+        lasts = spans[:, 0] < spans[:, 1]  # heights are coarser than times
+        self._pieces.append(self._tracks(corners[lasts], times[lasts], spans[lasts]))
 
     def run(self, sections: Sequence[Section], index: int, full_cell: float) -> Iterator[Layer]:
         """The layers of sections whose first has an index among the heights.
