@@ -261,6 +261,19 @@ def test_layers_can_be_iterated_again_and_do_not_depend_on_chunks(monkeypatch):
         np.testing.assert_array_equal(a.tree, b.tree)
 
 
+def test_how_arrays_lie_in_memory_does_not_matter():
+    """`np.array([xs, ys]).T` lies column by column."""
+    sites = np.random.default_rng(1).random((9, 2)) * 10
+    found = []
+    for order in "CF":
+        sections = stack((np.array(SQUARE, order=order), np.array(HOLE, order=order)), 3)
+        sections.append(Section(2.0, (np.array(SQUARE, order=order),)))
+        filling = fill_sections(sections, np.array(sites, order=order), FillSettings())
+        found.append([fingerprint(layer.diagram) for layer in filling.layers])
+    for rows, columns in zip(*found, strict=True):
+        np.testing.assert_array_equal(rows, columns)
+
+
 def test_duplicates_are_merged_with_a_warning():
     sites = np.array([[1.0, 1], [2, 2], [1, 1], [2, 2], [8, 3]])
     with pytest.warns(UserWarning, match="2 of 5 sites"):

@@ -62,7 +62,7 @@ def fill_sections(
     found when their layer is), `SettingError` for an offset that lets walls lean more than
     `settings.max_overhang`.
     """
-    sites = np.asarray(sites, np.float64).reshape(-1, 2)
+    sites = np.ascontiguousarray(sites, np.float64).reshape(-1, 2)
     if not len(sites):
         raise GeometryError("there are no sites: give at least one")
     _refuse_rings(sections)

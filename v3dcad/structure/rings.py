@@ -42,7 +42,9 @@ def rings_of(sections: Sequence[Section], grid: Grid) -> Rings:
     lengths = np.array([len(ring) for ring in rings], np.int64)
     starts = np.concatenate([[0], np.cumsum(lengths)])
     layers = np.cumsum([0, *(len(section.rings) for section in sections)])
-    corners = np.concatenate(rings, dtype=np.float64) if rings else np.empty((0, 2))
+    corners = np.empty((starts[-1], 2))
+    if rings:
+        np.concatenate(rings, out=corners)  # row by row, however the rings lie in memory
     following = np.arange(1, len(corners) + 1)
     following[starts[1:][lengths > 0] - 1] = starts[:-1][lengths > 0]
 
