@@ -296,11 +296,12 @@ def test_faulty_sites_are_named(site, words):
         np.array([[np.nan, 0], [10, 0], [10, 10]]),
     ],
 )
-def test_faulty_sections_are_named(ring):
+@pytest.mark.parametrize("method", ["continuous", "thesis"])
+def test_faulty_sections_are_named(ring, method):
     sections = stack((SQUARE,), 6)
     sections[4] = Section(2.0, (ring,))
     with pytest.raises(GeometryError, match="layer 4"):
-        list(fill_sections(sections, np.ones((1, 2)), FillSettings()).layers)
+        list(fill_sections(sections, np.ones((1, 2)), FillSettings(method=method)).layers)
 
 
 def test_settings_that_cannot_be():

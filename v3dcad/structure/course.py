@@ -162,7 +162,7 @@ class Course:
         for a section that cannot be filled.
         """
         rings = rings_of(sections, self.grid)
-        _refuse_faults(rings, index)
+        refuse_faults(rings, index)
         done = needed = 0
         while done < len(sections):
             self._reach(int(self.times[index + done]))
@@ -298,7 +298,7 @@ def _rest(rings: Rings, layers: int) -> Rings:
     return rings._replace(layers=rings.layers[layers:], areas=rings.areas[layers:])
 
 
-def _refuse_faults(rings: Rings, index: int) -> None:
+def refuse_faults(rings: Rings, index: int) -> None:
     """Raise `GeometryError` for the first layer whose rings do not bound what is inside."""
     layer, x, y = winding_fault(rings.corners, rings.starts, rings.layers)
     if layer >= 0:

@@ -13,8 +13,10 @@ from v3dcad.geometry.grid import Grid
 from v3dcad.geometry.kruskal import spanning_tree
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
 from v3dcad.settings import FillSettings
+from v3dcad.structure.course import refuse_faults
 from v3dcad.structure.growth import growing, settled_offset
 from v3dcad.structure.overhang import all_neighbours
+from v3dcad.structure.rings import rings_of
 from v3dcad.structure.single import Engine, diagrams_on
 from v3dcad.structure.thesis.cells import present, rings
 from v3dcad.structure.thesis.insert import inserted, shared_vertex
@@ -178,6 +180,7 @@ class ThesisFilling:
         below: ThesisLayer | None = None
         unanswered: list[int] = []
         for index, section in enumerate(self.sections):
+            refuse_faults(rings_of([section], self.grid), index)
             state = state.grown(self.offset)
             wanted = (
                 self.settings.insertion
