@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -119,9 +121,26 @@ def test_what_cannot_be_asked_for_is_refused() -> None:
             filling.sites_at(np.array([(0.0, 0, 0.2), point]))
 
 
-def test_more_births_than_holes_need_no_room() -> None:
-    """A part that stands on a tip asks for more cells than any memory holds."""
-    sections = [Section(0.0, (BLOCK * 1e-7,)), Section(0.4, (BLOCK,)), Section(0.8, (BLOCK,))]
-    before, first, second = fill_sections(sections, scatter(5), FillSettings()).layers
-    born = [len(layer.state.sites) for layer in (before, first, second)]
-    assert born[0] < born[1] < born[2] < 4 * born[0] + 6 * born[1]
+def test_births_take_no_more_room_than_there_are_holes_for_them() -> None:
+    """A part that stands on a blade asks for more cells at once than can be born."""
+    sites = np.random.default_rng(5).uniform(-20, 20, (2000, 2))
+    sections = [Section(0.0, (BLOCK * [1, 1 / 1600],)), Section(0.4, (BLOCK,))]
+    tracemalloc.start()
+    try:
+        foot, above = fill_sections(sections, sites, FillSettings()).layers
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert 1600 / foot.area_per_cell > 100_000
+    assert 2100 < len(above.state.sites) < 6000  # a triangulation has less than two holes a site
+    assert peak < 1 << 26, "beside the 31 MiB that are let go of at once"
+
+
+@pytest.mark.parametrize("tip", [1e-7, 1e-3, 0.1])
+def test_a_part_on_a_tip_grows_as_one_on_a_point_does(tip: float) -> None:
+    """Where the foot is smaller than a cell its cells are no measure, as where there are none."""
+    above = [Section(0.4 * k, (BLOCK * min(1.0, 0.2 * k),)) for k in range(1, 9)]
+    point = fill_sections([Section(0.0, ()), *above], scatter(60), FillSettings())
+    found = fill_sections([Section(0.0, (BLOCK * tip,)), *above], scatter(60), FillSettings())
+    assert len(found.births) == len(point.births) > 0
+    np.testing.assert_array_equal(found.births, point.births)

@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 import shapely
@@ -357,3 +359,33 @@ def test_layers_are_what_qhull_and_geos_make_of_them(name):
         outside = ~layer.diagram.inner()
         length = layer.diagram.lengths()[outside].sum()
         assert shapely.length(contours).sum() == pytest.approx(length)
+
+
+def test_some_layers_at_once() -> None:
+    layers = fill_sections(stack((SQUARE,), 7), SQUARE * 0.5 + 2, FillSettings()).layers
+    assert [layer.index for layer in layers[1:6:2]] == [1, 3, 5]
+    assert [layer.index for layer in layers[::-3]] == [6, 3, 0]
+    assert layers[-1].z == layers[6].z == 3.0
+    with pytest.raises(IndexError):
+        layers[7]
+
+
+def test_memory_does_not_grow_with_the_number_of_layers() -> None:
+    sites = np.random.default_rng(1).random((150, 2)) * 10
+
+    def most_at_once(count: int) -> int:
+        """The bytes that going through so many layers takes, at the same growth in all."""
+        settings = FillSettings(layer_height=6 / count, offset=3 / count, max_overhang=90.0)
+        filling = fill_sections(stack((SQUARE,), count, 6 / count), sites, settings)
+        layers = iter(filling.layers)
+        next(layers)
+        tracemalloc.start()
+        try:
+            assert sum(1 for _ in layers) == count - 1
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    few, many = most_at_once(600), most_at_once(4800)
+    assert 1e6 < few < 3e7
+    assert many < 1.3 * few, "eight times as many"

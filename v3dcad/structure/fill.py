@@ -17,11 +17,13 @@ from v3dcad.geometry.epochs import FIRST, Epoch
 from v3dcad.geometry.facets import Facets, welded_facets
 from v3dcad.geometry.grid import STEPS, UTMOST, Grid, curve_order
 from v3dcad.geometry.kruskal import spanning_tree
+from v3dcad.geometry.regions import section_area
 from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, times_of
 from v3dcad.structure.growth import growing, rounded_down, settled_offset
+from v3dcad.structure.layer_sequence import LayerSequence
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.timed import Timed
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
@@ -154,7 +156,7 @@ class History(Value):
     """what weights were counted from, one after the other (`epochs.py`)"""
 
 
-class Layers(Sequence[Layer]):
+class Layers(LayerSequence):
     """The layers of a filling: made one after the other, and anew for each iteration."""
 
     def __init__(self, filling: Filling) -> None:
@@ -166,9 +168,8 @@ class Layers(Sequence[Layer]):
     def __iter__(self) -> Iterator[Layer]:
         return self._filling.climb()
 
-    def __getitem__(self, index: int) -> Layer:  # type: ignore[override]
-        """Layer `index` by itself; negative ones count from the top."""
-        index = range(len(self))[index]
+    def layer(self, index: int) -> Layer:
+        """Layer `index` by itself."""
         return self._filling.slice(self._filling.sections[index], index)
 
 
@@ -343,12 +344,13 @@ class Filling:
         sections, full_cell, index = self.sections, np.inf, 0
         while index < len(sections):
             # The first layer by itself: what it has of area per cell is the measure for births;
-            # where the part stands on a point or an edge, what each site has of the base rectangle.
+            # where the part stands on less than one cell, what each site has of the base rectangle.
             vertices = 2 * len(self._start.places) + sum(map(len, sections[index].rings))
             some = max(1, min(AT_ONCE, VERTICES_AT_ONCE // vertices)) if index else 1
             for layer in course.run(sections[index : index + some], index, full_cell):
                 yield layer
             if index == 0 and self.settings.insertion and self.growth_step > 0:
-                rectangle = float(np.prod(self.box[2] - self.box[0]))
-                full_cell = layer.area_per_cell or rectangle / len(self._start.places)
+                share = float(np.prod(self.box[2] - self.box[0])) / len(self._start.places)
+                foot = section_area(layer.section).area
+                full_cell = layer.area_per_cell if foot > share else share
             index += some

@@ -6,13 +6,14 @@ method are functions of the height: each can be had alone, which is their exact 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState
+from v3dcad.structure.layer_sequence import LayerSequence
 from v3dcad.structure.thesis.cells import corner_signatures, rings
 from v3dcad.structure.thesis.loop import ThesisFilling
 
@@ -21,7 +22,7 @@ STRAIGHT = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class LoftedLayers(Sequence[Layer]):
+class LoftedLayers(LayerSequence):
     """Layers between two, every corner on the straight line between its two places."""
 
     first: Layer
@@ -38,9 +39,8 @@ class LoftedLayers(Sequence[Layer]):
     def __iter__(self) -> Iterator[Layer]:
         return (self[index] for index in range(len(self)))
 
-    def __getitem__(self, index: int) -> Layer:  # type: ignore[override]
-        """Layer `index`; negative ones count from the top."""
-        index = range(len(self))[index]
+    def layer(self, index: int) -> Layer:
+        """Layer `index`, all its corners on their ways."""
         z = float(self.heights[index])
         span = self.last.z - self.first.z
         share = (z - self.first.z) / span if span else 0.0

@@ -163,12 +163,13 @@ def _largest(
     Branch and bound: distance to walls is exact on a segment; distance to contours is at most
     that of the middle plus half the length. Halve what may still hold a larger distance.
     """
-    best = 0.0
+    best = certified = 0.0
     bound = farthest
     while True:
         open_ = bound > best * (1 + SLACK) + NEGLIGIBLE
+        certified = max(certified, float(bound[~open_].max(initial=0.0)))
         if not open_.any():
-            return best * (1 + SLACK) + NEGLIGIBLE if best > NEGLIGIBLE else best
+            return certified
         segments, hints = segments[open_], hints[open_]
         middle = segments.mean(axis=1)
         half = np.hypot(*(segments[:, 1] - segments[:, 0]).T) / 2

@@ -15,6 +15,7 @@ from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import refuse_faults
 from v3dcad.structure.growth import growing, settled_offset
+from v3dcad.structure.layer_sequence import LayerSequence
 from v3dcad.structure.overhang import all_neighbours
 from v3dcad.structure.rings import rings_of
 from v3dcad.structure.single import Engine, diagrams_on
@@ -61,7 +62,7 @@ class ThesisLayer(Layer):
         }
 
 
-class ThesisLayers(Sequence[Layer]):
+class ThesisLayers(LayerSequence):
     """The layers of a structure by the thesis's method, held one at a time.
 
     Going through them in order computes each once. A single one costs all those below it, but
@@ -79,9 +80,8 @@ class ThesisLayers(Sequence[Layer]):
     def __iter__(self) -> Iterator[ThesisLayer]:
         return self._filling.climb()
 
-    def __getitem__(self, index: int) -> ThesisLayer:  # type: ignore[override]
-        """Layer `index`; negative ones count from the top."""
-        index = range(len(self))[index]
+    def layer(self, index: int) -> ThesisLayer:
+        """Layer `index`, after those below it."""
         layer = self._reached
         if layer is None or layer.index > index:
             self._onward = iter(self)

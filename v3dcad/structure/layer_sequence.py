@@ -1,0 +1,25 @@
+"""Layers that are made when they are asked for: one, some, or one after the other."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import overload
+
+from v3dcad.model import Layer
+
+
+class LayerSequence(Sequence[Layer]):
+    """A sequence of layers whose `layer` makes one; negative indices count from the top."""
+
+    @abstractmethod
+    def layer(self, index: int) -> Layer:
+        """Layer `index`, 0 ≤ index < len(self), by itself."""
+
+    @overload
+    def __getitem__(self, index: int) -> Layer: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Layer]: ...
+    def __getitem__(self, index: int | slice) -> Layer | list[Layer]:
+        chosen = range(len(self))[index]
+        return self.layer(chosen) if isinstance(chosen, int) else [*map(self.layer, chosen)]
