@@ -58,7 +58,7 @@ def breaks(shape: TopoDS_Shape, mesh: SurfaceMesh) -> Floats:
             if abs(slope) < 1e-5:
                 heights.append(z)
     for triangle, (u, v) in zip(*critical_points(mesh), strict=True):
-        heights.append(surface_at(mesh.heap, mesh.surfaces[mesh.faces[triangle]], u, v)[0, 2])
+        heights.append(surface_at(mesh.heap, mesh.surfaces[mesh.faces[triangle]], u, v)[0][2])
     ordered = np.unique(np.clip(heights, mesh.nodes[:, 2].min(), mesh.nodes[:, 2].max()))
     return ordered[np.diff(ordered, prepend=-np.inf) > 1e-6]
 

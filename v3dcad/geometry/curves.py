@@ -15,21 +15,22 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import ALLOCATING, COMPILED, WORD
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
-from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
+from v3dcad.geometry.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
 
 LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
     degree, count = int(heap[place + 1]), int(heap[place + 2])
     knots = place + 4
     poles = knots + count
     t = wrapped(t, heap[knots + degree], heap[poles - 1 - degree], heap[place + 3] > 0)
     span = span_of(heap, knots, count, degree, t)
-    values, slopes = basis(heap, knots, span, degree, t)
+    values, slopes = on_stack(), on_stack()
+    basis(heap, knots, span, degree, t, values, slopes)
     x = y = z = w = dx = dy = dz = dw = 0.0
     for r in range(degree + 1):
         pole = poles + 4 * (span - degree + r)

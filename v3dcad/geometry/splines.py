@@ -6,15 +6,33 @@ Knots and poles lie in one array of numbers, the `heap`, at a given place: the e
 
 from __future__ import annotations
 
-import numpy as np
-from numba import njit, types
+from typing import Any
 
-from v3dcad.geometry.exact import ALLOCATING, INTERNAL
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from v3dcad.geometry.exact import INTERNAL
 
 FLOAT = types.float64
 HEAP = types.Array(FLOAT, 1, "C", readonly=True)
 ROWS = types.float64[:, ::1]
 """What compiled code takes: a number, the heap, and points it may write to."""
+
+
+MOST_POLES = 26
+"""In a span of a spline, along one parameter: OCCT's splines are of degree 25 at most."""
+
+
+@intrinsic
+def on_stack(typing_context: Any) -> tuple[Any, Any]:
+    """Where MOST_POLES numbers have room until the function that asks for it returns."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return cgutils.alloca_once(builder, ir.DoubleType(), MOST_POLES)
+
+    return types.CPointer(FLOAT)(), generate
 
 
 @njit(**INTERNAL)
@@ -35,35 +53,26 @@ def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     return low
 
 
-@njit(**ALLOCATING)
-def basis(heap, knots, span, degree, t):  # type: ignore[no-untyped-def]
-    """Values and slopes (degree + 1,) of the basis functions that do not vanish on a span.
+@njit(**INTERNAL)
+def basis(heap, knots, span, degree, t, values, slopes):  # type: ignore[no-untyped-def]
+    """Write values and slopes (degree + 1,) of the basis functions that do not vanish on a span.
 
     Piegl and Tiller, The NURBS Book (1997), A2.2 and equation 2.7.
     """
-    values = np.zeros(degree + 1)
-    lower = np.zeros(degree + 1)
-    slopes = np.zeros(degree + 1)
-    values[0] = 1.0
+    values[0], slopes[0] = 1.0, 0.0
     for order in range(1, degree + 1):
-        if order == degree:
-            for r in range(degree):
-                lower[r] = values[r]
         carried = 0.0
         for r in range(order):
             right = heap[knots + span + r + 1]
             left = heap[knots + span + r + 1 - order]
+            if order == degree:
+                share = degree * values[r] / (right - left)
+                slopes[r] -= share
+                slopes[r + 1] = share
             share = values[r] / (right - left)
             values[r] = carried + (right - t) * share
             carried = (t - left) * share
         values[order] = carried
-    for r in range(degree):
-        share = (
-            degree * lower[r] / (heap[knots + span + r + 1] - heap[knots + span + r + 1 - degree])
-        )
-        slopes[r] -= share
-        slopes[r + 1] += share
-    return values, slopes
 
 
 @njit(**INTERNAL)

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.contours import Stretch, contours
-from v3dcad.geometry.exact import ALLOCATING, COMPILED
+from v3dcad.geometry.exact import COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, project
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Layer, Run, Section
@@ -119,25 +119,25 @@ def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignor
     return moved
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _solved(heap, place, height, end, way, u, v):  # type: ignore[no-untyped-def]
     """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
     length = np.hypot(way[0], way[1])
     across_x, across_y = -way[1] / length, way[0] / length
     for _ in range(20):
         s = surface_at(heap, place, u, v)
-        rise = s[0, 2] - height
-        aside = (s[0, 0] - end[0]) * across_x + (s[0, 1] - end[1]) * across_y
+        rise = s[0][2] - height
+        aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
         if max(abs(rise), abs(aside)) < 1e-12:
             break
-        u_aside = s[1, 0] * across_x + s[1, 1] * across_y
-        v_aside = s[2, 0] * across_x + s[2, 1] * across_y
-        determinant = s[1, 2] * v_aside - s[2, 2] * u_aside
+        u_aside = s[1][0] * across_x + s[1][1] * across_y
+        v_aside = s[2][0] * across_x + s[2][1] * across_y
+        determinant = s[1][2] * v_aside - s[2][2] * u_aside
         if determinant == 0.0:
             break
-        u -= (rise * v_aside - s[2, 2] * aside) / determinant
-        v -= (s[1, 2] * aside - u_aside * rise) / determinant
+        u -= (rise * v_aside - s[2][2] * aside) / determinant
+        v -= (s[1][2] * aside - u_aside * rise) / determinant
     s = surface_at(heap, place, u, v)
-    aside = (s[0, 0] - end[0]) * across_x + (s[0, 1] - end[1]) * across_y
-    settled = abs(s[0, 2] - height) < 1e-9 and abs(aside) < 1e-9
-    return u, v, s[0, 0], s[0, 1], settled
+    aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
+    settled = abs(s[0][2] - height) < 1e-9 and abs(aside) < 1e-9
+    return u, v, s[0][0], s[0][1], settled

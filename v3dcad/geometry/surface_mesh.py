@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.curves import LINE, curve_at
-from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.splines import FLOAT, HEAP
 from v3dcad.geometry.surfaces import PLANE, height_at, surface_at
@@ -82,7 +82,7 @@ def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-de
         return point[0], point[1], point[2], point[5] * step
     u_step, v_step = span[2] - span[0], span[3] - span[1]
     s = surface_at(heap, surface, span[0] + share * u_step, span[1] + share * v_step)
-    return s[0, 0], s[0, 1], s[0, 2], s[1, 2] * u_step + s[2, 2] * v_step
+    return s[0][0], s[0][1], s[0][2], s[1][2] * u_step + s[2][2] * v_step
 
 
 @njit(**INTERNAL)
@@ -140,14 +140,14 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     return found, best
 
 
-@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **ALLOCATING)
+@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **INTERNAL)
 def project(heap, surface, point, u, v):  # type: ignore[no-untyped-def]
     """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
     for _ in range(20):
         s = surface_at(heap, surface, u, v)
         uu = uv = vv = a = b = 0.0
         for axis in range(3):
-            gap, along_u, along_v = point[axis] - s[0, axis], s[1, axis], s[2, axis]
+            gap, along_u, along_v = point[axis] - s[0][axis], s[1][axis], s[2][axis]
             uu, uv, vv = uu + along_u * along_u, uv + along_u * along_v, vv + along_v * along_v
             a, b = a + along_u * gap, b + along_v * gap
         determinant = uu * vv - uv * uv

@@ -246,10 +246,10 @@ def _set_edge(  # type: ignore[no-untyped-def]
     mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = c, d
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _set_node(mesh, node, heap, place, u, v):  # type: ignore[no-untyped-def]
-    s = surface_at(heap, place, u, v)
-    mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = s[0, 0], s[0, 1], s[0, 2]
+    point, _, _ = surface_at(heap, place, u, v)
+    mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = point
 
 
 @njit(**INTERNAL)

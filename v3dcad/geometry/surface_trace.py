@@ -167,7 +167,7 @@ def _crossing(  # type: ignore[no-untyped-def]
     return points[crossing, 0], points[crossing, 1], u, v
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _between(heap, place, height, one, other):  # type: ignore[no-untyped-def]
     """The point of the level line half way between two of its points: Newton's method on
     z(u, v) = height and (x, y) on the perpendicular bisector.
@@ -181,20 +181,20 @@ def _between(heap, place, height, one, other):  # type: ignore[no-untyped-def]
     settled = False
     for _ in range(12):
         s = surface_at(heap, place, u, v)
-        rise = s[0, 2] - height
-        along = (s[0, 0] - middle_x) * chord_x + (s[0, 1] - middle_y) * chord_y
+        rise = s[0][2] - height
+        along = (s[0][0] - middle_x) * chord_x + (s[0][1] - middle_y) * chord_y
         if settled:
-            near = np.hypot(s[0, 0] - middle_x, s[0, 1] - middle_y) < length
-            return near, s[0, 0], s[0, 1], u, v
+            near = np.hypot(s[0][0] - middle_x, s[0][1] - middle_y) < length
+            return near, s[0][0], s[0][1], u, v
         # One more step squares an error as small as this: down to rounding.
         settled = abs(rise) < 1e-9 and abs(along) < 1e-6 * length * length
-        u_along = s[1, 0] * chord_x + s[1, 1] * chord_y
-        v_along = s[2, 0] * chord_x + s[2, 1] * chord_y
-        determinant = s[1, 2] * v_along - s[2, 2] * u_along
+        u_along = s[1][0] * chord_x + s[1][1] * chord_y
+        v_along = s[2][0] * chord_x + s[2][1] * chord_y
+        determinant = s[1][2] * v_along - s[2][2] * u_along
         if determinant == 0.0:
             break
-        u -= (rise * v_along - s[2, 2] * along) / determinant
-        v -= (s[1, 2] * along - u_along * rise) / determinant
+        u -= (rise * v_along - s[2][2] * along) / determinant
+        v -= (s[1][2] * along - u_along * rise) / determinant
     return False, middle_x, middle_y, u, v
 
 

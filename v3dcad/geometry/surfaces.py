@@ -22,9 +22,9 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.linking import linked
-from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
+from v3dcad.geometry.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
 
 (
     PLANE,
@@ -38,7 +38,8 @@ from v3dcad.geometry.splines import FLOAT, HEAP, basis, span_of, wrapped
     OFFSET,
 ) = range(9)
 
-SURFACE_AT = types.float64[:, ::1](HEAP, WORD, FLOAT, FLOAT)
+VECTOR = types.UniTuple(FLOAT, 3)
+SURFACE_AT = types.UniTuple(VECTOR, 3)(HEAP, WORD, FLOAT, FLOAT)
 
 
 @njit(**INTERNAL)
@@ -60,7 +61,7 @@ def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
     return radius + along, rise, -rise, along
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
     v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
@@ -72,129 +73,127 @@ def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     v = wrapped(v, heap[v_knots + v_degree], heap[poles - 1 - v_degree], heap[place + 6] > 0)
     u_span = span_of(heap, u_knots, u_count, u_degree, u)
     v_span = span_of(heap, v_knots, v_count, v_degree, v)
-    u_values, u_slopes = basis(heap, u_knots, u_span, u_degree, u)
-    v_values, v_slopes = basis(heap, v_knots, v_span, v_degree, v)
-    total = np.zeros((3, 4))
+    u_values, u_slopes = on_stack(), on_stack()
+    v_values, v_slopes = on_stack(), on_stack()
+    basis(heap, u_knots, u_span, u_degree, u, u_values, u_slopes)
+    basis(heap, v_knots, v_span, v_degree, v, v_values, v_slopes)
+    x = y = z = w = u_x = u_y = u_z = u_w = v_x = v_y = v_z = v_w = 0.0
     for i in range(u_degree + 1):
         row = poles + 4 * ((u_span - u_degree + i) * columns + v_span - v_degree)
         for j in range(v_degree + 1):
             value = u_values[i] * v_values[j]
             u_slope = u_slopes[i] * v_values[j]
             v_slope = u_values[i] * v_slopes[j]
-            for axis in range(4):
-                number = heap[row + 4 * j + axis]
-                total[0, axis] += value * number
-                total[1, axis] += u_slope * number
-                total[2, axis] += v_slope * number
-    result = np.empty((3, 3))
-    weight = total[0, 3]
-    for axis in range(3):
-        point = total[0, axis] / weight
-        result[0, axis] = point
-        result[1, axis] = (total[1, axis] - point * total[1, 3]) / weight
-        result[2, axis] = (total[2, axis] - point * total[2, 3]) / weight
-    return result
+            pole = row + 4 * j
+            a, b, c, weight = heap[pole], heap[pole + 1], heap[pole + 2], heap[pole + 3]
+            x, y, z, w = x + value * a, y + value * b, z + value * c, w + value * weight
+            u_x, u_y, u_z = u_x + u_slope * a, u_y + u_slope * b, u_z + u_slope * c
+            v_x, v_y, v_z = v_x + v_slope * a, v_y + v_slope * b, v_z + v_slope * c
+            u_w, v_w = u_w + u_slope * weight, v_w + v_slope * weight
+    x, y, z = x / w, y / w, z / w
+    return (
+        (x, y, z),
+        ((u_x - x * u_w) / w, (u_y - y * u_w) / w, (u_z - z * u_w) / w),
+        ((v_x - x * v_w) / w, (v_y - y * v_w) / w, (v_z - z * v_w) / w),
+    )
 
 
-@linked(SURFACE_AT, **ALLOCATING)
+@njit(**INTERNAL)
+def _vector(heap, place):  # type: ignore[no-untyped-def]
+    return heap[place], heap[place + 1], heap[place + 2]
+
+
+@njit(**INTERNAL)
+def _plus(p, a, q):  # type: ignore[no-untyped-def]
+    return p[0] + a * q[0], p[1] + a * q[1], p[2] + a * q[2]
+
+
+@njit(**INTERNAL)
+def _times(a, p):  # type: ignore[no-untyped-def]
+    return a * p[0], a * p[1], a * p[2]
+
+
+@njit(**INTERNAL)
+def _dot(p, q):  # type: ignore[no-untyped-def]
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+@linked(SURFACE_AT, **INTERNAL)
 def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     kind = int(heap[place])
     if kind == SPLINE_SURFACE:
         return _spline_surface_at(heap, place, u, v)
-    result = np.empty((3, 3))
     if kind == EXTRUSION:
-        curve = curve_at(heap, int(heap[place + 4]), u)
-        for axis in range(3):
-            result[0, axis] = curve[axis] + v * heap[place + 1 + axis]
-            result[1, axis] = curve[3 + axis]
-            result[2, axis] = heap[place + 1 + axis]
-        return result
-    # The frame by its places: views of it would cost more than what is computed from them.
-    origin, x_axis, y_axis, z_axis = place + 1, place + 4, place + 7, place + 10
+        x, y, z, dx, dy, dz = curve_at(heap, int(heap[place + 4]), u)
+        direction = _vector(heap, place + 1)
+        return _plus((x, y, z), v, direction), (dx, dy, dz), direction
+    origin, x_axis = _vector(heap, place + 1), _vector(heap, place + 4)
+    y_axis, z_axis = _vector(heap, place + 7), _vector(heap, place + 10)
     if kind == PLANE:
-        for axis in range(3):
-            result[0, axis] = (
-                heap[origin + axis] + u * heap[x_axis + axis] + v * heap[y_axis + axis]
-            )
-            result[1, axis] = heap[x_axis + axis]
-            result[2, axis] = heap[y_axis + axis]
-        return result
+        return _plus(_plus(origin, u, x_axis), v, y_axis), x_axis, y_axis
     cosine, sine = np.cos(u), np.sin(u)
     if kind == REVOLUTION:
-        curve = curve_at(heap, int(heap[place + 13]), v)
-        x = y = z = dx = dy = dz = 0.0
-        for axis in range(3):
-            arm, slope = curve[axis] - heap[origin + axis], curve[3 + axis]
-            x += arm * heap[x_axis + axis]
-            y += arm * heap[y_axis + axis]
-            z += arm * heap[z_axis + axis]
-            dx += slope * heap[x_axis + axis]
-            dy += slope * heap[y_axis + axis]
-            dz += slope * heap[z_axis + axis]
+        x, y, z, dx, dy, dz = curve_at(heap, int(heap[place + 13]), v)
+        arm, slope = _plus((x, y, z), -1.0, origin), (dx, dy, dz)
+        x, y, z = _dot(arm, x_axis), _dot(arm, y_axis), _dot(arm, z_axis)
+        dx, dy, dz = _dot(slope, x_axis), _dot(slope, y_axis), _dot(slope, z_axis)
         a, b = cosine * x - sine * y, sine * x + cosine * y
         da, db = cosine * dx - sine * dy, sine * dx + cosine * dy
-        for axis in range(3):
-            result[0, axis] = (
-                heap[origin + axis]
-                + a * heap[x_axis + axis]
-                + b * heap[y_axis + axis]
-                + z * heap[z_axis + axis]
-            )
-            result[1, axis] = a * heap[y_axis + axis] - b * heap[x_axis + axis]
-            result[2, axis] = (
-                da * heap[x_axis + axis] + db * heap[y_axis + axis] + dz * heap[z_axis + axis]
-            )
-        return result
+        return (
+            _plus(_plus(_plus(origin, a, x_axis), b, y_axis), z, z_axis),
+            _plus(_times(a, y_axis), -b, x_axis),
+            _plus(_plus(_times(da, x_axis), db, y_axis), dz, z_axis),
+        )
     reach, rise, d_reach, d_rise = _profile_at(heap, place, v)
-    for axis in range(3):
-        outward = cosine * heap[x_axis + axis] + sine * heap[y_axis + axis]
-        along = cosine * heap[y_axis + axis] - sine * heap[x_axis + axis]
-        result[0, axis] = heap[origin + axis] + reach * outward + rise * heap[z_axis + axis]
-        result[1, axis] = reach * along
-        result[2, axis] = d_reach * outward + d_rise * heap[z_axis + axis]
-    return result
+    outward = _plus(_times(cosine, x_axis), sine, y_axis)
+    along = _plus(_times(cosine, y_axis), -sine, x_axis)
+    return (
+        _plus(_plus(origin, reach, outward), rise, z_axis),
+        _times(reach, along),
+        _plus(_times(d_reach, outward), d_rise, z_axis),
+    )
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
-    s = _plain_at(heap, int(heap[place + 2]), u, v)
-    x = s[1, 1] * s[2, 2] - s[1, 2] * s[2, 1]
-    y = s[1, 2] * s[2, 0] - s[1, 0] * s[2, 2]
-    z = s[1, 0] * s[2, 1] - s[1, 1] * s[2, 0]
-    share = heap[place + 1] / np.sqrt(x * x + y * y + z * z)
-    return s[0, 0] + share * x, s[0, 1] + share * y, s[0, 2] + share * z
+    point, a, b = _plain_at(heap, int(heap[place + 2]), u, v)
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return _plus(point, heap[place + 1] / np.sqrt(x * x + y * y + z * z), (x, y, z))
 
 
-@njit(**ALLOCATING)
+@njit(**INTERNAL)
 def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """The point is exact; the tangents, which only steer Newton steps, are differences."""
     step = 1e-6
-    point = _offset_point(heap, place, u, v)
     right, left = _offset_point(heap, place, u + step, v), _offset_point(heap, place, u - step, v)
     above, below = _offset_point(heap, place, u, v + step), _offset_point(heap, place, u, v - step)
-    result = np.empty((3, 3))
-    for axis in range(3):
-        result[0, axis] = point[axis]
-        result[1, axis] = (right[axis] - left[axis]) / (2 * step)
-        result[2, axis] = (above[axis] - below[axis]) / (2 * step)
-    return result
+    return (
+        _offset_point(heap, place, u, v),
+        _difference(right, left, 2 * step),
+        _difference(above, below, 2 * step),
+    )
+
+
+@njit(**INTERNAL)
+def _difference(p, q, step):  # type: ignore[no-untyped-def]
+    return (p[0] - q[0]) / step, (p[1] - q[1]) / step, (p[2] - q[2]) / step
 
 
 @linked(SURFACE_AT, **COMPILED)
 def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
-    """Point and tangents of a surface at (u, v), as an array (3, 3): S, ∂S/∂u, ∂S/∂v."""
+    """Point and tangents of a surface at (u, v), three vectors: S, ∂S/∂u, ∂S/∂v."""
     if int(heap[place]) == OFFSET:
         return _offset_at(heap, place, u, v)
     return _plain_at(heap, place, u, v)
 
 
-@linked(types.UniTuple(FLOAT, 3)(HEAP, WORD, FLOAT, FLOAT), **ALLOCATING)
+@linked(VECTOR(HEAP, WORD, FLOAT, FLOAT), **INTERNAL)
 def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
     kind = int(heap[place])
     if kind < CYLINDER or kind > TORUS:
-        s = surface_at(heap, place, u, v)
-        return s[0, 2], s[1, 2], s[2, 2]
+        point, along_u, along_v = surface_at(heap, place, u, v)
+        return point[2], along_u[2], along_v[2]
     reach, rise, d_reach, d_rise = _profile_at(heap, place, v)
     cosine, sine = np.cos(u), np.sin(u)
     x_z, y_z, z_z = heap[place + 6], heap[place + 9], heap[place + 12]
@@ -211,6 +210,6 @@ def surface_points(heap, places, parameters):  # type: ignore[no-untyped-def]
     """Points (k, 3) of surfaces (k,) at parameters (k, 2)."""
     points = np.empty((len(places), 3))
     for k in range(len(places)):
-        s = surface_at(heap, places[k], parameters[k, 0], parameters[k, 1])
-        points[k, 0], points[k, 1], points[k, 2] = s[0, 0], s[0, 1], s[0, 2]
+        point, _, _ = surface_at(heap, places[k], parameters[k, 0], parameters[k, 1])
+        points[k, 0], points[k, 1], points[k, 2] = point
     return points
