@@ -22,17 +22,18 @@ ROWS = types.float64[:, ::1]
 
 
 MOST_POLES = 26
-"""In a span of a spline, along one parameter: OCCT's splines are of degree 25 at most."""
+"""In a span of a spline, along one parameter: OCCT makes none of a degree above 25."""
 
 
-@intrinsic
-def on_stack(typing_context: Any) -> tuple[Any, Any]:
-    """Where MOST_POLES numbers have room until the function that asks for it returns."""
-
+def _on_stack(typing_context: Any) -> tuple[Any, Any]:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return cgutils.alloca_once(builder, ir.DoubleType(), MOST_POLES)
 
     return types.CPointer(FLOAT)(), generate
+
+
+on_stack: Any = intrinsic(_on_stack)
+"""Where MOST_POLES numbers have room until the compiled function that asks for it returns."""
 
 
 @njit(**INTERNAL)
