@@ -73,8 +73,8 @@ def periodic_surface():
     return GeomConvert.SurfaceToBSplineSurface_s(Geom_ToroidalSurface(SPACE, 5, 2))
 
 
-OCCT_AT_25 = 1e-8
-"""OCCT is off by 1e-9 at degree 25, where we are right to 2e-15 (against fractions)."""
+OCCT_AT_25 = 1e-7
+"""OCCT is off by 1e-9 to 1e-8 at degree 25, where we are right to 2e-15 (against fractions)."""
 
 CURVES = {
     "line": Geom_Line(gp_Pnt(1, 2, 3), gp_Dir(1, 1, 0.5)),
