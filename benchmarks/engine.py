@@ -103,23 +103,25 @@ def layer_loop(quick: bool) -> None:
         stack = sections(outline, size, layers)
         settings = FillSettings(offset=offset, max_overhang=90.0)
 
-        def engine(stack=stack, sites=sites, settings=settings):
-            return [layer.index for layer in fill_sections(stack, sites, settings).layers]
-
-        fast = seconds(engine)
         some = max(1, layers // (SLOW_LAYERS if n * layers > 10**5 else 1))
         chosen = [
             layer
             for layer in fill_sections(stack, sites, settings).layers
             if layer.index % some == 0
         ]
-        slow = seconds(
-            lambda chosen=chosen: [
+
+        def engine(stack=stack, sites=sites, settings=settings):
+            return [layer.index for layer in fill_sections(stack, sites, settings).layers]
+
+        def plain(chosen=chosen):
+            return [
                 oracle.layer(layer.state.sites, layer.state.weights, layer.section)
                 for layer in chosen
             ]
-        )
-        slow *= layers / len(chosen)
+
+        # By turns, since the machine's speed wanders.
+        turns = [(seconds(engine, 1), seconds(plain, 1)) for _ in range(5)]
+        fast, slow = np.min(turns, axis=0) * [1, layers / len(chosen)]
         print(
             f"{name:>8} {n:6} {layers:6} {fast * 1e3:10.2f} {slow * 1e3:10.0f} {slow / fast:6.0f}"
         )
