@@ -22,8 +22,11 @@ from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteSta
 SLACK = 0.01
 """Relative excess of the bound over the true greatest distance."""
 
+ROUNDING = 1e-9
+"""Relative error that bounds may have."""
+
 NEGLIGIBLE = 1e-6
-"""mm; distances up to this are not told apart."""
+"""mm; distances no farther apart than this are not told apart."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -169,7 +172,7 @@ def _largest(
         open_ = bound > best * (1 + SLACK) + NEGLIGIBLE
         certified = max(certified, float(bound[~open_].max(initial=0.0)))
         if not open_.any():
-            return certified
+            return certified * (1 + ROUNDING)
         segments, hints = segments[open_], hints[open_]
         middle = segments.mean(axis=1)
         half = np.hypot(*(segments[:, 1] - segments[:, 0]).T) / 2
