@@ -85,14 +85,11 @@ def power_cells(count, corners, vertices):
 
 
 def holes(sites, weights, area):
-    """Triangles (h, 3) of sites whose cells meet inside an area, and the holes' sizes (h,), the
-    power of the meeting points.
-    """
+    """Triangles (h, 3) of sites whose cells meet inside an area, and their areas (h,)."""
     corners, vertices, _ = power_diagram(sites, weights)
     inside = (corners < len(sites)).all(axis=1) & shapely.contains_xy(area, vertices)
-    corners, vertices = corners[inside], vertices[inside]
-    own = corners[:, 0]
-    return corners, ((vertices - sites[own]) ** 2).sum(axis=1) - weights[own]
+    corners = corners[inside]
+    return corners, shapely.area(shapely.polygons(sites[corners]))
 
 
 def cut_edges(area, pairs, edges):

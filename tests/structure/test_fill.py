@@ -12,6 +12,7 @@ from v3dcad.geometry.cells import cells
 from v3dcad.model import OUTSIDE, Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
+from v3dcad.structure.growth import PACE
 from v3dcad.structure.sites import scatter_sites
 
 SQUARE = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
@@ -232,7 +233,7 @@ def test_facets_sliced_are_the_layers_edges(insertion):
             ends = edges[tuple(walls.sites[facet])]
             apart = min(np.abs(segment - ends).max(), np.abs(segment - ends[::-1]).max())
             assert apart < 1e-8
-    growth = filling.history.sites.by_site().growth * 0.5
+    growth = filling.history.sites.by_site().growth * 0.5 / PACE
     places = filling.grid.millimetres(filling.history.sites.by_site().places)
     for f in range(0, len(walls.tilts), 7):
         corners = walls.points[walls.starts[f] : walls.starts[f + 1]]

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, sign_of_sum
 from v3dcad.geometry.flips import ROW, TRIANGLE_ROWS
 from v3dcad.geometry.linking import linked
 
@@ -26,10 +26,10 @@ ROUNDING = 4e-15
 """Bound of the relative error of the floating power test (some 20 operations)."""
 
 
-DUE, STRUTS, TOUCHED, NOW, LAST, LEAST, MOST = range(7)
+DUE, STRUTS, TOUCHED, NOW, LAST, MOST = range(6)
 """What `Motion.state` holds: heap and log length, how many triangles have been touched, the whole
-time that the weights belong to, the last time that can be asked for, what growth counts as 0
-(`epochs.py`), and the most that a point may have."""
+time that the weights belong to, the last time that can be asked for, and the most growth that a
+point may have."""
 
 
 EVERYTHING = -1
@@ -62,7 +62,7 @@ class Motion(NamedTuple):
     moment: Any
     """(1,) float64: the latest event"""
     state: Any
-    """(7,) int64"""
+    """(6,) int64"""
 
 
 MOTION = TupleType(
@@ -124,7 +124,11 @@ def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
     bx, by = points[b, 0] - dx, points[b, 1] - dy
     cx, cy = points[c, 0] - dx, points[c, 1] - dy
     of_a, of_b, of_c = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
-    slope = of_a * (speed - growth[a]) + of_b * (speed - growth[b]) + of_c * (speed - growth[c])
+    faster_a, faster_b, faster_c = speed - growth[a], speed - growth[b], speed - growth[c]
+    by_a, by_b, by_c = of_a * float(faster_a), of_b * float(faster_b), of_c * float(faster_c)
+    slope, least = by_a + by_b + by_c, ROUNDING * (abs(by_a) + abs(by_b) + abs(by_c))
+    if abs(slope) <= least:
+        slope = least * sign_of_sum(of_a, faster_a, of_b, faster_b, of_c, faster_c)  # type: ignore[call-arg]
     from_a = float(ax * ax + ay * ay - points[a, 2] + weight) * of_a
     from_b = float(bx * bx + by * by - points[b, 2] + weight) * of_b
     from_c = float(cx * cx + cy * cy - points[c, 2] + weight) * of_c
@@ -132,7 +136,8 @@ def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
     doubt = ROUNDING * (abs(from_a) + abs(from_b) + abs(from_c))
     if slope <= 0:
         return NEVER, now if power + doubt >= 0.0 else NEVER
-    return now - power / slope, now - (power + doubt) / slope
+    early = power + doubt
+    return now - power / slope, now - early / (slope + least if early < 0 else slope)
 
 
 @njit(types.void(MOTION, WORD, WORD), **INLINED)

@@ -46,8 +46,6 @@ class Cut(NamedTuple):
     """(t, 4) int32: triangle and cells of each inner vertex"""
     struts: Any
     """(t, 4) float64: how each inner vertex moves"""
-    holes: Any
-    """(t, 3) float64: the power of each inner vertex, a quadratic in time, steps²"""
     edges: Any
     """(3 t, 2) int32: vertices of each whole edge"""
     sites: Any
@@ -85,7 +83,7 @@ class Cut(NamedTuple):
     """(7,) int64"""
 
 
-_VERTICES = [ROW, ROW, ROWS, FLOAT_ROWS, FLOAT_ROWS]
+_VERTICES = [ROW, ROW, ROWS, FLOAT_ROWS]
 
 
 _EDGES = [ROWS, ROWS, ROWS, ROW, ROW, ROWS, ROW, INTS, INTS, ROW]
@@ -101,7 +99,6 @@ def empty_cut(points: int, triangles: int) -> Cut:
         vertex_of=np.full(triangles, -1, np.int32),
         corners=np.empty((triangles, 4), np.int32),
         struts=np.empty((triangles, 4)),
-        holes=np.empty((triangles, 3)),
         edges=np.empty((3 * triangles, 2), np.int32),
         sites=np.empty((3 * triangles, 2), np.int32),
         halves=np.empty((3 * triangles, 2), np.int32),
@@ -154,7 +151,7 @@ def drop_edges(cut, halves, count):  # type: ignore[no-untyped-def]
 @linked(types.void(CUT, ROW, WORD), **INTERNAL)
 def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
     """Take out the inner vertices of triangles whose edges have been taken out."""
-    vertex_of, corners, struts, holes = cut.vertex_of, cut.corners, cut.struts, cut.holes
+    vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
     edges, edge_at, filled = cut.edges, cut.edge_at, cut.filled
     last, cells = cut.state[VERTICES], cut.state[FILLED]
     for place in range(count):
@@ -172,7 +169,6 @@ def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
         for k in range(4):
             corners[vertex, k], struts[vertex, k] = corners[last, k], struts[last, k]
         for k in range(3):
-            holes[vertex, k] = holes[last, k]
             edge = edge_at[3 * moved + k]
             if edge >= 0:
                 edges[edge, 0 if edges[edge, 0] == last else 1] = vertex
@@ -183,7 +179,7 @@ def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
 def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-def]
     """Number those of the listed triangles that lie inside and have no vertex yet."""
     points, triangles, base, growth = mesh.points, mesh.triangles, motion.base, motion.growth
-    vertex_of, corners, struts, holes = cut.vertex_of, cut.corners, cut.struts, cut.holes
+    vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
     inside, filled, fresh = cut.inside, cut.filled, cut.fresh
     vertex, cells, news = cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH]
     most = cut.state[MOST]
@@ -192,13 +188,8 @@ def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-d
         if inside[triangle] == 0 or vertex_of[triangle] >= 0:
             continue
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-        first = min(a, b, c)
         x, y, vx, vy = strut(points, base, growth, a, b, c)
         struts[vertex, 0], struts[vertex, 1], struts[vertex, 2], struts[vertex, 3] = x, y, vx, vy
-        x, y = x - points[first, 0], y - points[first, 1]
-        holes[vertex, 0] = x * x + y * y - base[first]
-        holes[vertex, 1] = 2 * (x * vx + y * vy) - growth[first]
-        holes[vertex, 2] = vx * vx + vy * vy
         corners[vertex, 0] = triangle
         for k in range(3):
             cell = triangles[triangle, k]

@@ -237,7 +237,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
         spans=np.empty((4 * points, 2)),
         touched=np.empty(triangles, np.int32),
         moment=np.array([float(now)]),
-        state=np.array([0, 0, 0, now, last, 0, HEAVIEST]),
+        state=np.array([0, 0, 0, now, last, HEAVIEST]),
     )
     certify_all(mesh, motion)
     return motion

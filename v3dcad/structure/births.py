@@ -4,6 +4,12 @@ A site q inside the triangle of three sites whose orthocentre v has the power P 
 while its weight is at most |q − v|² − P. So a newborn gets the least weight above that, and its
 cell begins at v with no area and grows with the square of the weight gained since.
 
+At the centroid that bound is where the newborn's power function is the mean of the three, and it
+grows with the mean of their growths. A newborn grows a little more: `LEAD`. So it has never had a
+cell before, it takes from slower parents and gives to faster ones, and all growths stay near each
+other. One as fast as the fastest parent, or by the whole offset faster where all three are equal,
+would run over its surroundings until it met its like: cells of up to 35 times their mean were seen.
+
 A newborn stands inside the triangle of its parents. Hence the hull of the living sites shrinks from
 generation to generation, and on a tall pole births come to an end where the distance that newborns
 keep leaves no room in it.
@@ -27,15 +33,18 @@ from v3dcad.geometry.linking import linked
 from v3dcad.geometry.triangulation import locate
 from v3dcad.structure.holes import (
     BARREN,
-    LENGTH,
     LISTED,
     SHARE,
     SHORTLIST,
-    has_parents,
     list_holes,
     look_again,
-    size_at,
+    size_of,
 )
+
+LEAD = 3
+"""Units of growth by which a newborn is ahead of its parents' mean: an eighth of `growth.PACE`.
+With more, cells are less even and the hull shrinks sooner; with less, they hardly change on the way
+up."""
 
 FLOAT = types.float64
 
@@ -160,7 +169,7 @@ def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
     return abs(high) < HEAVIEST
 
 
-@linked(types.void(types.float64[::1], types.int32[::1], WORD, WORD), **INTERNAL)
+@linked(types.void(types.int64[::1], types.int32[::1], WORD, WORD), **INTERNAL)
 def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
     """Let an entry sink in a heap with the largest hole first."""
     while True:
@@ -177,16 +186,23 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
 
 
 @linked(types.boolean(POINT_ROWS, TRIANGLE_ROWS, *[WORD] * 5), **INTERNAL)
-def would_hide(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-def]
-    """Whether q, newborn to a, b, c, and any newborn before it might keep each other from having
-    cells: those from point `first` on, with their parents (k, 3).
+def is_crowded(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-def]
+    """Whether q, newborn to a, b, c, has to wait because of newborns before it at this moment:
+    those from point `first` on, with their parents (k, 3).
 
-    Holes may lie in the same place (four sites orthogonal to one circle). A newborn has a cell
-    where its parents' triangle would be regular beside all others.
+    Holes may lie in the same place (four sites orthogonal to one circle), where they would keep
+    each other from having cells. A newborn has one where its parents' triangle would be regular
+    beside all others. And two with two parents in common are equally far wherever the two other
+    parents are, so that four cells would meet in a point at every height.
     """
     for sibling in range(len(parents)):
         d, e, f = parents[sibling, 0], parents[sibling, 1], parents[sibling, 2]
-        if conflicts(points, a, b, c, first + sibling) or conflicts(points, d, e, f, q):
+        common = (a in (d, e, f)) + (b in (d, e, f)) + (c in (d, e, f))
+        if (
+            common > 1
+            or conflicts(points, a, b, c, first + sibling)
+            or conflicts(points, d, e, f, q)
+        ):
             return True
     return False
 
@@ -194,44 +210,32 @@ def would_hide(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-d
 @njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
 def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     """The place of a triangle's newborn, its centroid, and its growth."""
-    fastest = max(growth[a], growth[b], growth[c])
-    equal = growth[a] == growth[b] and growth[b] == growth[c]
     x = (points[a, 0] + points[b, 0] + points[c, 0] + 1) // 3
     y = (points[a, 1] + points[b, 1] + points[c, 1] + 1) // 3
-    return x, y, fastest + equal
+    return x, y, (growth[a] + growth[b] + growth[c]) // 3 + LEAD
 
 
-@linked(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, WORD, FLOAT, FLOAT), **INTERNAL)
-def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # type: ignore[no-untyped-def]
+@linked(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, WORD, FLOAT), **INTERNAL)
+def give_births(mesh, motion, cut, squares, shortlist, wanted, reach):  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
-    Each is at the centroid of a triangle whose vertex lies inside the section. It grows
-    as fast as the fastest of the three, one step faster where they are equal, and keeps its
-    distance: `reach` grid steps per step of growth. A newborn is no parent before it has gained the
-    weight `gain`, steps²: around its tiny cell the hole still looks as large as before.
-    There must be room for them in points and log.
+    Each is at the centroid of a triangle whose vertex lies inside the section, and keeps its
+    distance: `reach` grid steps per unit of growth. There must be room for them in points and log.
     """
-    points, triangles, corners, vertex_of = mesh.points, mesh.triangles, cut.corners, cut.vertex_of
-    growth, time, now = motion.growth, motion.state[NOW], float(motion.state[NOW])
-    before, born, state = mesh.count[POINTS], 0, shortlist.state
+    points, triangles, growth, time = mesh.points, mesh.triangles, motion.growth, motion.state[NOW]
+    before, born = mesh.count[POINTS], 0
     heap, places, parents = shortlist.heap, shortlist.places, shortlist.parents
     _list_points(mesh, growth, squares)
     for attempt in range(3):  # with the old shortlist, a new one, and all holes
-        if attempt == 0 and not look_again(mesh, motion, cut, shortlist):
+        if attempt == 0 and not look_again(mesh, cut, shortlist):
             continue
         if attempt > 0:
-            list_holes(mesh, motion, cut, shortlist, SHARE if attempt == 1 else 0.0, gain)
+            list_holes(mesh, cut, shortlist, SHARE if attempt == 1 else 0.0)
         length = 0
-        for place in range(state[LENGTH]):
+        for place in range(shortlist.length[0]):
             triangle = shortlist.holes[place]
-            vertex = vertex_of[triangle]
-            size = size_at(cut.holes, vertex, now)
-            if (
-                size > shortlist.bar[0]
-                and shortlist.listed[triangle] == LISTED
-                and has_parents(motion, corners, vertex, gain)
-            ):
-                heap[length], places[length] = size, triangle
+            if shortlist.listed[triangle] == LISTED:
+                heap[length], places[length] = size_of(mesh, triangle), triangle
                 length += 1
         for at in range(length // 2 - 1, -1, -1):
             _sink(heap, places, at, length)
@@ -258,7 +262,7 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach, gain):  # 
             guess = empty_until(points, q, a, b, c)
             if abs(guess) > HEAVIEST or not weigh_newborn(mesh, q, a, b, c, int(guess)):
                 continue
-            if would_hide(points, parents[:born], before, q, a, b, c):
+            if is_crowded(points, parents[:born], before, q, a, b, c):
                 shortlist.listed[triangle] = LISTED  # for the next layer
                 continue
             growth[q], motion.base[q] = grows, points[q, 2] - grows * time

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.agenda import ALWAYS, LAST, LEAST, MOST, STRUTS, with_log
+from v3dcad.geometry.agenda import ALWAYS, LAST, MOST, STRUTS, with_log
 from v3dcad.geometry.epochs import FIRST, Epoch
 from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.grid import HEAVIEST, UTMOST, Grid
@@ -92,7 +92,6 @@ class Course:
         until = max(now, min(last, epoch.last(growth)))
         self.motion = motion_of(self.mesh, np.concatenate([still, growth]), now, until)
         self.motion.born[SENTINELS:] = np.maximum(sites.born - epoch.start, ALWAYS)
-        self.motion.state[LEAST] = epoch.growth
         self.motion.state[MOST] = UTMOST // max(int(self.times[-1]), 1) - epoch.growth
         self._bottom = bottom
         self.epochs.append(epoch)

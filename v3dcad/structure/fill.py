@@ -22,7 +22,7 @@ from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, times_of
-from v3dcad.structure.growth import growing, rounded_down, settled_offset
+from v3dcad.structure.growth import PACE, growing, rounded_down, settled_offset
 from v3dcad.structure.layer_sequence import LayerSequence
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.timed import Timed
@@ -208,11 +208,11 @@ class Filling:
             )
         self.settings = replace(settings, offset=offset)
         """the settings, with the offset that "auto" stands for"""
-        self.growth_step = offset / settings.layer_height
-        """mm² per mm of height that a growing site gains, and newborns gain multiples of"""
+        self.growth_step = offset / settings.layer_height / PACE
+        """mm² per mm of height that a site gains for each unit of growth"""
         always = np.full(len(places), ALWAYS)
         self._start = Timed(
-            places, still, grows.astype(np.int64), always, np.zeros(len(places)), order
+            places, still, PACE * grows.astype(np.int64), always, np.zeros(len(places)), order
         )
         self._passed: Course | None = None
 

@@ -15,6 +15,9 @@ from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Ints
 from v3dcad.settings import FillSettings
 
+PACE = 24
+"""Units of growth that the offset is. Newborns' growths lie between (`births.py`)."""
+
 USUAL = FillSettings().max_overhang
 """Degrees: the limit of those who set none."""
 

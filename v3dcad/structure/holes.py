@@ -1,7 +1,7 @@
-"""The largest holes between cells, shortlisted: not all need to be looked at in every layer.
+"""Where newborns have most room, shortlisted: not all places need to be looked at in every layer.
 
-A hole is an inner vertex of the diagram; its size is the vertex's power, steps². That is convex in
-time, so that one which is small at two moments is small in between.
+A hole is an inner vertex of the diagram; its size is the area of the triangle of the sites around
+it, in which a newborn would stand.
 """
 
 from __future__ import annotations
@@ -12,24 +12,13 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import ALWAYS, LEAST, MOTION, NOW
-from v3dcad.geometry.exact import INLINED, INTERNAL, WORD
+from v3dcad.geometry.exact import INLINED, INTERNAL, WORD, orientation
 from v3dcad.geometry.flips import MESH, NOTHING, ROW
 from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
 from v3dcad.geometry.linking import linked
 
-FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
-
 SHARE = 0.8
 """How far between the mean hole and the largest one the bar of a shortlist is."""
-
-HORIZON = 16
-"""For so many layers a shortlist is made."""
-
-LENGTH, SEEN, UNTIL = range(3)
-"""What `Shortlist.state` holds: how many holes are listed, when they were last looked at, and for
-how long the list is complete."""
-
 
 LISTED, BARREN = 1, 2
 """What `Shortlist.listed` says of a triangle: that it is on the list; that it has no newborn unless
@@ -37,26 +26,27 @@ it changes. A larger number is the point that its newborn would be too near to, 
 
 
 class Shortlist(NamedTuple):
-    """All holes with room that are above a bar, or may be before the list is made anew."""
+    """All holes with room that are above a bar."""
 
     holes: Any
     """(t,) int32: their triangles"""
     listed: Any
     """(t,) int32: what there is to say of each triangle, or 0"""
     heap: Any
-    """(t,) float64: room for the sizes of those that may get newborns next, largest first,"""
+    """(t,) int64: room for the sizes of those that may get newborns next, largest first,"""
     places: Any
     """(t,) int32: their triangles,"""
     parents: Any
     """(t, 3) int32: and the parents of the newborns"""
     bar: Any
     """(1,) float64, steps²"""
-    state: Any
-    """(3,) int64"""
+    length: Any
+    """(1,) int64: how many holes are listed"""
 
 
 SHORTLIST = TupleType(
-    [ROW, ROW, FLOATS, ROW, types.int32[:, ::1], FLOATS, types.int64[::1]], Shortlist
+    [ROW, ROW, types.int64[::1], ROW, types.int32[:, ::1], types.float64[::1], types.int64[::1]],
+    Shortlist,
 )
 
 
@@ -65,93 +55,73 @@ def no_shortlist(triangles: int) -> Shortlist:
     return Shortlist(
         np.empty(triangles, np.int32),
         np.zeros(triangles, np.int32),
-        np.empty(triangles),
+        np.empty(triangles, np.int64),
         np.empty(triangles, np.int32),
         np.empty((triangles, 3), np.int32),
-        np.zeros(1),
-        np.array([0, ALWAYS, ALWAYS]),
+        np.full(1, np.inf),
+        np.zeros(1, np.int64),
     )
 
 
-@njit(types.float64(FLOAT_ROWS, WORD, types.float64), **INLINED)
-def size_at(sizes, vertex, time):  # type: ignore[no-untyped-def]
-    """How large the hole at a vertex is at a time, steps²."""
-    return sizes[vertex, 0] + time * (sizes[vertex, 1] + time * sizes[vertex, 2])
+@njit(WORD(MESH, WORD), **INLINED)
+def size_of(mesh, triangle):  # type: ignore[no-untyped-def]
+    """How large the hole of a triangle is: twice its area, steps²."""
+    triangles = mesh.triangles
+    a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+    return orientation(mesh.points, a, b, c)
 
 
-@njit(types.boolean(MOTION, types.int32[:, ::1], WORD, types.float64), **INLINED)
-def has_parents(motion, corners, vertex, gain):  # type: ignore[no-untyped-def]
-    """Whether none of a vertex's cells is a newborn that has not yet gained so much, steps²."""
-    for k in range(1, 4):
-        point = corners[vertex, k]
-        born = motion.born[point]
-        growth = motion.growth[point] + motion.state[LEAST]
-        if born != ALWAYS and growth * (motion.state[NOW] - born) < gain:
-            return False
-    return True
+@njit(types.void(MESH, CUT, SHORTLIST, WORD), **INLINED)
+def _consider(mesh, cut, shortlist, triangle):  # type: ignore[no-untyped-def]
+    """List the hole of a triangle that is not listed if it is above the bar."""
+    said = shortlist.listed[triangle]
+    lists = cut.vertex_of[triangle] >= 0 and (said == 0 or said > BARREN)
+    if lists and size_of(mesh, triangle) > shortlist.bar[0]:
+        shortlist.holes[shortlist.length[0]] = triangle
+        shortlist.listed[triangle] = max(said, LISTED)
+        shortlist.length[0] += 1
 
 
-@njit(types.void(CUT, SHORTLIST, WORD, WORD, WORD), **INLINED)
-def _consider(cut, shortlist, triangle, now, until):  # type: ignore[no-untyped-def]
-    """List the hole of a triangle that is not listed if it may get above the bar."""
-    vertex, state, said = cut.vertex_of[triangle], shortlist.state, shortlist.listed[triangle]
-    if vertex >= 0 and (said == 0 or said > BARREN):
-        size = max(size_at(cut.holes, vertex, now), size_at(cut.holes, vertex, until))
-        if size > shortlist.bar[0]:
-            shortlist.holes[state[LENGTH]] = triangle
-            shortlist.listed[triangle] = max(said, LISTED)
-            state[LENGTH] += 1
-
-
-@linked(types.void(MESH, MOTION, CUT, SHORTLIST, types.float64, types.float64), **INTERNAL)
-def list_holes(mesh, motion, cut, shortlist, share, gain):  # type: ignore[no-untyped-def]
-    """List all holes anew that are or may get above a bar, so far between their mean and the
-    largest one that has parents; with a share of 0, list all, and only for now.
-
-    Newborns are parents after the gain in weight, steps².
+@linked(types.void(MESH, CUT, SHORTLIST, types.float64), **INTERNAL)
+def list_holes(mesh, cut, shortlist, share):  # type: ignore[no-untyped-def]
+    """List all holes anew that are above a bar, so far between their mean and the largest one that
+    may have a newborn; with a share of 0, list all.
     """
-    listed, state, now = shortlist.listed, shortlist.state, motion.state[NOW]
-    for place in range(state[LENGTH]):
+    listed, length = shortlist.listed, shortlist.length
+    for place in range(length[0]):
         if listed[shortlist.holes[place]] == LISTED:
             listed[shortlist.holes[place]] = 0
     if cut.state[FRESH] == TOO_MANY:
         listed[:] = 0
     for place in range(cut.state[FRESH]):
         listed[cut.fresh[place]] = 0
-    largest, total = -np.inf, 0.0
+    largest, total = 0, 0.0
     for vertex in range(cut.state[VERTICES]):
-        size, triangle = size_at(cut.holes, vertex, now), cut.corners[vertex, 0]
+        triangle = cut.corners[vertex, 0]
+        size = size_of(mesh, triangle)
         total += size
         if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == NOTHING:
             listed[triangle] = 0
-        if (
-            size > largest
-            and listed[triangle] == 0
-            and has_parents(motion, cut.corners, vertex, gain)
-        ):
-            largest = size
-    until = now
-    if share > 0 and state[SEEN] != ALWAYS:
-        until += HORIZON * (now - state[SEEN])
+        if listed[triangle] == 0:
+            largest = max(largest, size)
     mean = total / max(cut.state[VERTICES], 1)
-    shortlist.bar[0] = mean + share * (largest - mean) if share > 0 else -np.inf
-    cut.state[FRESH] = state[LENGTH] = 0
+    shortlist.bar[0] = mean + share * (largest - mean) if share > 0 else -1.0
+    cut.state[FRESH] = length[0] = 0
     for vertex in range(cut.state[VERTICES]):
-        _consider(cut, shortlist, cut.corners[vertex, 0], now, until)
-    state[SEEN], state[UNTIL] = now, until
+        _consider(mesh, cut, shortlist, cut.corners[vertex, 0])
 
 
-@linked(types.boolean(MESH, MOTION, CUT, SHORTLIST), **INTERNAL)
-def look_again(mesh, motion, cut, shortlist):  # type: ignore[no-untyped-def]
+@linked(types.boolean(MESH, CUT, SHORTLIST), **INTERNAL)
+def look_again(mesh, cut, shortlist):  # type: ignore[no-untyped-def]
     """Whether the shortlist still holds: then what is new is on it, too."""
-    holes, listed, state = shortlist.holes, shortlist.listed, shortlist.state
-    now, kept = motion.state[NOW], 0
-    if now > state[UNTIL] or cut.state[FRESH] == TOO_MANY:
+    holes, listed, length = shortlist.holes, shortlist.listed, shortlist.length
+    kept = 0
+    if cut.state[FRESH] == TOO_MANY:
         return False
     for place in range(cut.state[FRESH]):
         if listed[cut.fresh[place]] != LISTED:
             listed[cut.fresh[place]] = 0
-    for place in range(state[LENGTH]):
+    for place in range(length[0]):
         triangle = holes[place]
         if cut.vertex_of[triangle] < 0:
             listed[triangle] = 0
@@ -160,8 +130,8 @@ def look_again(mesh, motion, cut, shortlist):  # type: ignore[no-untyped-def]
                 listed[triangle] = LISTED
             holes[kept] = triangle
             kept += 1
-    state[LENGTH], state[SEEN] = kept, now
+    length[0] = kept
     for place in range(cut.state[FRESH]):
-        _consider(cut, shortlist, cut.fresh[place], now, state[UNTIL])
+        _consider(mesh, cut, shortlist, cut.fresh[place])
     cut.state[FRESH] = 0
     return True

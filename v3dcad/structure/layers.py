@@ -217,9 +217,7 @@ def run(  # type: ignore[no-untyped-def]
             ):
                 outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
                 break
-            born = give_births(
-                mesh, motion, cut, squares, shortlist, wanted, reach, full_cell / pitch / pitch
-            )
+            born = give_births(mesh, motion, cut, squares, shortlist, wanted, reach)
             if born == 0:
                 break
             outcome[STATUS] = advance(mesh, motion, times[layer])
