@@ -30,7 +30,8 @@ class Below:
 
     As many as bring area per cell back to `full_cell`, mm²; where the triangle of three sites is
     largest; at its centroid, by an eighth of the offset faster than their mean; so far from other
-    cells' sites that no wall leans beyond the limit; not beside another newborn.
+    cells' sites that no wall leans beyond the limit; not beside another newborn. The power function
+    that a newborn begins with is the mean of the three.
     """
 
     def __init__(self, filling: Filling, layer: Layer, present: int, full_cell: float) -> None:
@@ -46,6 +47,8 @@ class Below:
         self.parents, self.sizes = oracle.holes(self.sites, weights, area)
         self.places = self.sites[self.parents].mean(axis=1)
         self.fast = self.growth[self.parents].sum(axis=1) // 3 + PACE / 8
+        lifted = (self.sites**2).sum(axis=1) - weights
+        self.weights = (self.places**2).sum(axis=1) - lifted[self.parents].mean(axis=1)
 
     def room(self, others: Floats, growth: Floats) -> Floats:
         """(holes,) mm by which each hole's newborn is farther from others than it must be."""
@@ -75,6 +78,8 @@ def test_births_are_those_of_the_law(
         chosen = apart.argmin(axis=1)
         assert apart.min(axis=1, initial=0 if not len(newborn) else np.inf).max(initial=0) < 1e-5
         assert (growth == below.fast[chosen]).all()
+        weights = layer.state.weights[present:]
+        np.testing.assert_allclose(weights, below.weights[chosen], rtol=0, atol=1e-4)
         seen = below.room(below.sites[below.inside], below.growth[below.inside])
         assert seen[chosen].min(initial=0) >= -1e-5, "walls would lean too much"
         assert len(newborn) <= below.wanted
@@ -97,6 +102,21 @@ def test_births_are_those_of_the_law(
     assert births > 10
     assert full > 2
     assert freed > 0 or limit == 20.0, "in no hole did a neighbour's death make room"
+
+
+@pytest.mark.parametrize(("count", "seed"), [(50, 0), (50, 3), (200, 1)])
+def test_cells_stay_even_on_a_tall_pole(count: int, seed: int) -> None:
+    """Up to six times its width: as many cells as at its foot, and none of them a giant."""
+    sites = scatter_sites(np.array([[0.0, 0], [30, 30]]), count, seed)
+    sections = [Section(0.3 * k, (SQUARE,)) for k in range(600)]
+    filling = fill_sections(sections, sites, FillSettings(layer_height=0.3))
+    assert len(filling.births) > 2 * count
+    for layer in filling.layers:
+        assert layer.area_per_cell < 1.1 * 900 / count
+        if layer.index % 20 == 0:
+            areas = layer.diagram.areas(len(layer.state.sites))
+            assert areas.max() < 12 * 900 / count
+            assert (areas**2).sum() / areas.sum() < 3 * 900 / count, "of the cell around a point"
 
 
 @pytest.mark.parametrize("limit", [15.0, 45.0, 70.0])
