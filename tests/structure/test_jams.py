@@ -63,12 +63,12 @@ def test_a_jam_does_not_show(
     def jamming(*given: Any) -> None:
         """The compiled loop, which now and then says that it is jammed before a layer."""
         nonlocal made
-        times, found = given[8], given[10]
+        times, found = given[9], given[11]
         stops = [
             jam - made for jam in JAMS if jam not in jammed and made <= jam < made + len(times)
         ]
         some = min(stops, default=len(times))
-        run(*given[:8], times[:some], *given[9:])
+        run(*given[:9], times[:some], *given[10:])
         made += int(found.outcome[LAYERS])
         if stops and found.outcome[STATUS] == DONE:
             found.outcome[STATUS] = JAMMED
@@ -99,7 +99,7 @@ def test_a_want_of_room_does_not_show(
 
     def noting(*given: Any) -> None:
         run(*given)
-        ended.append(int(given[10].outcome[STATUS]))
+        ended.append(int(given[11].outcome[STATUS]))
 
     monkeypatch.setattr(course, "run", noting)
     monkeypatch.setattr(course, "walks", lambda crossings, *rest: walks(crossings // 64, *rest))

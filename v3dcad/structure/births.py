@@ -10,27 +10,22 @@ cell before, it takes from slower parents and gives to faster ones, and all grow
 other. One as fast as the fastest parent, or by the whole offset faster where all three are equal,
 would run over its surroundings until it met its like: cells of up to 35 times their mean were seen.
 
-A newborn stands inside the triangle of its parents. Hence the hull of the living sites shrinks from
-generation to generation, and on a tall pole births come to an end where the distance that newborns
-keep leaves no room in it.
+Where contours are far outside the hull of the sites, cells are born there, too: see `rim.py`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-import numpy as np
 from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.agenda import LAST, MOST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
-from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS, TRIANGLE_ROWS
-from v3dcad.geometry.grid import HEAVIEST, STEPS
+from v3dcad.geometry.flips import MESH, NOTHING, POINTS, SENTINELS, TRIANGLE_ROWS
+from v3dcad.geometry.grid import HEAVIEST
 from v3dcad.geometry.inside import CUT
 from v3dcad.geometry.kinetics import add_point
 from v3dcad.geometry.linking import linked
-from v3dcad.geometry.triangulation import locate
+from v3dcad.geometry.triangulation import holds, locate
+from v3dcad.geometry.walk import FLOAT, ROWS
 from v3dcad.structure.holes import (
     BARREN,
     LISTED,
@@ -40,13 +35,21 @@ from v3dcad.structure.holes import (
     look_again,
     size_of,
 )
+from v3dcad.structure.rim import (
+    RIM,
+    cells_at,
+    fastest,
+    largest_of,
+    moved_out,
+    size_rim,
+    weight_outside,
+)
+from v3dcad.structure.spacing import SQUARES, list_points, too_near
 
 LEAD = 3
 """Units of growth by which a newborn is ahead of its parents' mean: an eighth of `growth.PACE`.
 With more, cells are less even and the hull shrinks sooner; with less, they hardly change on the way
 up."""
-
-FLOAT = types.float64
 
 
 @linked(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
@@ -60,84 +63,6 @@ def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
     vx, vy = (cy * of_b - by * of_c) / double, (bx * of_c - cx * of_b) / double
     qx, qy = float(points[q, 0] - x), float(points[q, 1] - y)
     return qx * (qx - 2 * vx) + qy * (qy - 2 * vy) + weight
-
-
-@njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)
-def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-untyped-def]
-    """Whether a site at (x, y) is at least `reach` from a point per step of growth between them.
-
-    Faster points count as slower ones do: the wall between the two leans as much.
-    """
-    apart = abs(grows - growth[point]) * reach
-    dx, dy = points[point, 0] - x, points[point, 1] - y
-    return dx * dx + dy * dy >= apart * apart
-
-
-class Squares(NamedTuple):
-    """Points by squares of a grid over the frame, to look for near ones."""
-
-    first: Any
-    """(side²,) int32: the point listed last in each square, or −1"""
-    following: Any
-    """(p,) int32: the point listed before each in its square, or −1"""
-    state: Any
-    """(2,) int64: how many points are listed, and the fastest one's growth"""
-
-
-SQUARES = TupleType([ROW, ROW, types.int64[::1]], Squares)
-COUNT, FASTEST = range(2)
-
-
-def no_squares(points: int) -> Squares:
-    """An empty grid for up to so many points."""
-    side = int(np.sqrt(points / 4)) + 1
-    return Squares(
-        np.full(side * side, -1, np.int32), np.empty(points, np.int32), np.array([SENTINELS, 0])
-    )
-
-
-@linked(types.void(MESH, types.int64[::1], SQUARES), **INTERNAL)
-def _list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
-    """List the points that are not listed yet."""
-    points, first, following = mesh.points, squares.first, squares.following
-    side = int(np.sqrt(len(first)))
-    for point in range(squares.state[COUNT], mesh.count[POINTS]):
-        row, column = points[point, 1] * side // STEPS, points[point, 0] * side // STEPS
-        square = min(row, side - 1) * side + min(column, side - 1)
-        following[point] = first[square]
-        first[square] = point
-        squares.state[FASTEST] = max(squares.state[FASTEST], growth[point])
-    squares.state[COUNT] = mesh.count[POINTS]
-
-
-@linked(
-    WORD(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
-    **INTERNAL,
-)
-def too_near(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
-    """A point that a site at (x, y) would be too near to, or `NOTHING`: it must be apart from every
-    listed point that is not hidden, in another place than those that are, and apart from all
-    points from `before` on.
-    """
-    points, live, first = mesh.points, mesh.triangle_of, squares.first
-    side, farthest = int(np.sqrt(len(first))), (squares.state[FASTEST] + 1) * reach
-    west, east = int((x - farthest) * side / STEPS), int((x + farthest) * side / STEPS)
-    south, north = int((y - farthest) * side / STEPS), int((y + farthest) * side / STEPS)
-    for row in range(max(south, 0), min(north, side - 1) + 1):
-        for column in range(max(west, 0), min(east, side - 1) + 1):
-            point = first[row * side + column]
-            while point >= 0:
-                if points[point, 0] == x and points[point, 1] == y:
-                    return point
-                if live[point] != NOTHING and not is_apart(
-                    points, growth, point, x, y, grows, reach
-                ):
-                    return point
-                point = squares.following[point]
-    for point in range(before, mesh.count[POINTS]):
-        if not is_apart(points, growth, point, x, y, grows, reach):
-            return point
-    return NOTHING
 
 
 @linked(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
@@ -197,6 +122,8 @@ def is_crowded(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-d
     """
     for sibling in range(len(parents)):
         d, e, f = parents[sibling, 0], parents[sibling, 1], parents[sibling, 2]
+        if d == NOTHING:  # it came in from outside
+            continue
         common = (a in (d, e, f)) + (b in (d, e, f)) + (c in (d, e, f))
         if (
             common > 1
@@ -215,17 +142,63 @@ def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
     return x, y, (growth[a] + growth[b] + growth[c]) // 3 + LEAD
 
 
-@linked(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, WORD, FLOAT), **INTERNAL)
-def give_births(mesh, motion, cut, squares, shortlist, wanted, reach):  # type: ignore[no-untyped-def]
+@njit(types.void(MESH, MOTION, WORD, WORD), **INLINED)
+def _enter(mesh, motion, q, grows):  # type: ignore[no-untyped-def]
+    """Let the point q, which has its place and its weight of now, be the last of all points."""
+    weight, time = mesh.points[q, 2], motion.state[NOW]
+    motion.growth[q], motion.base[q] = grows, weight - grows * time
+    motion.born[q] = time
+    mesh.count[POINTS] += 1
+    # The epoch ends before it leaves the safe range.
+    motion.state[LAST] = min(motion.state[LAST], time + (HEAVIEST - weight) // max(grows, 1))
+
+
+@linked(WORD(MESH, MOTION, SQUARES, RIM, ROWS, WORD, WORD, FLOAT), **INTERNAL)
+def _come_in(  # type: ignore[no-untyped-def]
+    mesh, motion, squares, rim, crossings, crossing, before, reach
+):
+    """Enter a newborn for the hole at a crossing; returns the triangle that it stands in, or
+    `NOTHING` where it cannot be. It is not joined to it yet.
+    """
+    points, growth, q = mesh.points, motion.growth, mesh.count[POINTS]
+    i, j = cells_at(mesh, crossings, crossing)
+    x, y = moved_out(points, rim.corners, i, j)
+    triangle = locate(mesh, mesh.triangle_of[i], x, y)
+    grows = max(fastest(mesh, growth), (growth[i] + growth[j]) // 2 + LEAD)
+    corner = mesh.triangles[triangle]
+    in_hull = min(corner[0], corner[1], corner[2]) >= SENTINELS
+    if in_hull or not holds(mesh, triangle, x, y) or grows > motion.state[MOST]:
+        return NOTHING
+    if too_near(mesh, growth, squares, before, x, y, grows, reach) != NOTHING:
+        return NOTHING
+    weight = weight_outside(mesh, rim, x, y)
+    if abs(weight) >= HEAVIEST:
+        return NOTHING
+    points[q, 0], points[q, 1], points[q, 2] = x, y, weight
+    mesh.triangle_of[q] = NOTHING
+    _enter(mesh, motion, q, grows)
+    rim.born[rim.count[0]] = motion.state[NOW]
+    rim.count[0] += 1
+    return triangle
+
+
+@linked(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, RIM, ROWS, WORD, WORD, FLOAT), **INTERNAL)
+def give_births(  # type: ignore[no-untyped-def]
+    mesh, motion, cut, squares, shortlist, rim, crossings, count, wanted, reach
+):
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
-    Each is at the centroid of a triangle whose vertex lies inside the section, and keeps its
-    distance: `reach` grid steps per unit of growth. There must be room for them in points and log.
+    Each is at the centroid of a triangle whose vertex lies inside the section, or, one at a time,
+    outside the hull where a wall leaves the section: at one of its first `count` crossings. It
+    keeps its distance: `reach` grid steps per unit of growth. There must be room for them in points
+    and log.
     """
-    points, triangles, growth, time = mesh.points, mesh.triangles, motion.growth, motion.state[NOW]
-    before, born = mesh.count[POINTS], 0
+    points, triangles, growth = mesh.points, mesh.triangles, motion.growth
+    before, born, outer, within = mesh.count[POINTS], 0, NOTHING, NOTHING
     heap, places, parents = shortlist.heap, shortlist.places, shortlist.parents
-    _list_points(mesh, growth, squares)
+    list_points(mesh, growth, squares)
+    size_rim(mesh, rim, crossings, count)
+    widest = largest_of(mesh, rim, crossings, count)
     for attempt in range(3):  # with the old shortlist, a new one, and all holes
         if attempt == 0 and not look_again(mesh, cut, shortlist):
             continue
@@ -234,12 +207,25 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach):  # type: 
         length = 0
         for place in range(shortlist.length[0]):
             triangle = shortlist.holes[place]
-            if shortlist.listed[triangle] == LISTED:
-                heap[length], places[length] = size_of(mesh, triangle), triangle
+            size = size_of(mesh, triangle)  # it may have become another since it was listed
+            if size > shortlist.bar[0] and shortlist.listed[triangle] == LISTED:
+                heap[length], places[length] = size, triangle
                 length += 1
         for at in range(length // 2 - 1, -1, -1):
             _sink(heap, places, at, length)
-        while born < wanted and length > 0:
+        while born < wanted:
+            largest = float(heap[0]) if length > 0 else shortlist.bar[0]
+            if outer == NOTHING and widest != NOTHING and rim.sizes[widest] > largest:
+                q = mesh.count[POINTS]
+                within = _come_in(mesh, motion, squares, rim, crossings, widest, before, reach)
+                rim.sizes[widest] = 0
+                widest = largest_of(mesh, rim, crossings, count)
+                if within != NOTHING:
+                    outer, parents[born, 0] = q, NOTHING
+                    born += 1
+                continue
+            if length == 0:
+                break
             triangle = places[0]
             length -= 1
             heap[0], places[0] = heap[length], places[length]
@@ -252,7 +238,7 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach):  # type: 
             x, y, grows = newborn_at(points, growth, a, b, c)
             if grows > motion.state[MOST]:
                 continue
-            if locate(mesh, triangle, x, y) != triangle:  # a sliver that no grid point lies in
+            if not holds(mesh, triangle, x, y):  # a sliver that no grid point lies in
                 continue
             near = too_near(mesh, growth, squares, before, x, y, grows, reach)
             if near != NOTHING:
@@ -265,15 +251,12 @@ def give_births(mesh, motion, cut, squares, shortlist, wanted, reach):  # type: 
             if is_crowded(points, parents[:born], before, q, a, b, c):
                 shortlist.listed[triangle] = LISTED  # for the next layer
                 continue
-            growth[q], motion.base[q] = grows, points[q, 2] - grows * time
-            # The epoch ends before it leaves the safe range.
-            until = time + (HEAVIEST - points[q, 2]) // grows
-            motion.state[LAST] = min(motion.state[LAST], until)
-            motion.born[q] = time
-            mesh.count[POINTS] += 1
+            _enter(mesh, motion, q, grows)
             add_point(mesh, motion, triangle, q)
             parents[born, 0], parents[born, 1], parents[born, 2] = a, b, c
             born += 1
         if born == wanted:
             break
+    if outer != NOTHING:  # at last, since it leaves the triangulation far from regular
+        add_point(mesh, motion, within, outer)
     return born

@@ -17,7 +17,6 @@ from v3dcad.geometry.polygon import winding_fault
 from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.geometry.triangulation import triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
-from v3dcad.structure.births import no_squares
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.layers import (
     JAMMED,
@@ -33,7 +32,9 @@ from v3dcad.structure.layers import (
     run,
     walks,
 )
+from v3dcad.structure.rim import rim_of
 from v3dcad.structure.rings import Rings, rings_of
+from v3dcad.structure.spacing import no_squares
 from v3dcad.structure.timed import SiteStates, Timed
 from v3dcad.structure.walls import Tracks, joined
 
@@ -52,6 +53,7 @@ class Course:
         growth_step: float,
         heights: Floats,
         slope: float,
+        box: Floats,
         *,
         epoch: Epoch = FIRST,
         top: float | None = None,
@@ -59,10 +61,13 @@ class Course:
         """Stand at the first of ascending heights (k,), mm, ready to go to the last, or on to a
         `top` where no layer is.
 
-        Births keep walls from shifting more than `slope` mm per mm of height. `epoch` is the one
-        that the first height lies in, unless the sites weigh too much in it by then.
+        Births keep walls from shifting more than `slope` mm per mm of height; those from outside
+        come into the `box`, the base rectangle's corners low and high (2, 2), mm. `epoch` is the
+        one that the first height lies in, unless the sites weigh too much in it by then.
         """
         self.slope = slope
+        self._extent = (box[1] - box[0]) / grid.pitch
+        self._leaps: list[float] = []
         self.grid = grid
         self.growth_step = growth_step
         self.heights = heights
@@ -203,7 +208,7 @@ class Course:
         site_of = np.arange(len(self.mesh.points)) - SENTINELS
         site_of[SENTINELS : SENTINELS + len(self._curve)] = self._curve
         ends = np.stack([self._vertices(corners, times[:, k]) for k in range(2)], axis=1)
-        return Tracks(site_of[corners], spans, ends)
+        return Tracks(site_of[corners], spans, ends, tuple(self._leaps))
 
     def _vertices(self, corners: Ints, times: Floats) -> Floats:
         """The orthocentres (t, 2), mm, of triangles (t, 3) of points at times (t,)."""
@@ -243,6 +248,7 @@ class Course:
             self._tree, self._squares = tree_with_room(self._tree, room), no_squares(room)
             self._shortlist = no_shortlist(slots)
         left, low = self.grid.origin
+        rim = rim_of(self._extent, self._crossings, room)
         run(
             self.mesh,
             self.motion,
@@ -250,6 +256,7 @@ class Course:
             self._tree,
             self._squares,
             self._shortlist,
+            rim,
             site_of,
             rings,
             self.times[index : index + len(rings.areas)] - self.epochs[-1].start,
@@ -261,6 +268,7 @@ class Course:
             self.growth_step / (2 * self.slope) / self.grid.pitch,
             full_cell,
         )
+        self._leaps += (self._bottom + rim.born[: rim.count[0]] / self._rate).tolist()
 
     def _layers(
         self, made: Run, areas: list[float], sections: Sequence[Section], index: int

@@ -239,7 +239,7 @@ class Filling:
     def history(self) -> History:
         """What happened on the way up; goes all the way where nobody has yet."""
         if not self.sections:
-            nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)))
+            nothing = Tracks(np.empty((0, 3), np.int64), np.empty((0, 2)), np.empty((0, 2, 2)), ())
             return History(self._start, nothing, (FIRST,))
         if self._passed is None:
             for _ in self.climb():
@@ -330,7 +330,10 @@ class Filling:
         self, sites: Timed, heights: Floats, *, epoch: Epoch = FIRST, top: float | None = None
     ) -> Course:
         slope = math.tan(math.radians(self.settings.max_overhang))
-        return Course(self.grid, sites, self.growth_step, heights, slope, epoch=epoch, top=top)
+        return Course(
+            self.grid, sites, self.growth_step, heights, slope, self.box[[0, 2]],
+            epoch=epoch, top=top,
+        )  # fmt: skip
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""

@@ -33,9 +33,11 @@ from v3dcad.geometry.walk import (
     SEGMENT,
     walk_rings,
 )
-from v3dcad.structure.births import SQUARES, give_births
+from v3dcad.structure.births import give_births
 from v3dcad.structure.holes import SHORTLIST
+from v3dcad.structure.rim import RIM
 from v3dcad.structure.rings import RINGS
+from v3dcad.structure.spacing import SQUARES
 
 DONE, NEEDS_ROOM, JAMMED, EPOCH_OVER, OPEN_WALK, PAGES_FULL, WALKS_FULL = range(7)
 """How a run ended: after its last layer, for want of room or with a jam (as `advance` says), before
@@ -152,21 +154,21 @@ def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
 
 @njit(
     types.void(
-        MESH, MOTION, CUT, TREE, SQUARES, SHORTLIST, INTS, RINGS, INTS, WALKS, RUN,
+        MESH, MOTION, CUT, TREE, SQUARES, SHORTLIST, RIM, INTS, RINGS, INTS, WALKS, RUN,
         *[types.float64] * 5,
     ),
     **UNCOUNTED,
 )  # fmt: skip
 def run(  # type: ignore[no-untyped-def]
-    mesh, motion, cut, tree, squares, shortlist, site_of, rings, times, walks, made, left, low,
-    pitch, reach, full_cell,
+    mesh, motion, cut, tree, squares, shortlist, rim, site_of, rings, times, walks, made, left,
+    low, pitch, reach, full_cell,
 ):  # fmt: skip
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
-    `cut` and `tree` are those of the layer before. `site_of` (p,) gives each point's site;
-    (`left`, `low`), mm, and `pitch` say where the grid lies. Births are given where the area per
-    cell is above `full_cell`, mm² (infinite: none), at a distance of `reach` grid steps per step
-    of growth; once at a time.
+    `cut` and `tree` are those of the layer before; newborns from outside are noted in `rim`.
+    `site_of` (p,) gives each point's site; (`left`, `low`), mm, and `pitch` say where the grid
+    lies. Births are given where the area per cell is above `full_cell`, mm² (infinite: none), at a
+    distance of `reach` grid steps per unit of growth; once at a time.
     """
     outcome, rows, vertices, edges = made.outcome, made.rows, made.vertices, made.edges
     crossings, before, at, at_before = (
@@ -205,9 +207,9 @@ def run(  # type: ignore[no-untyped-def]
                 renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked)
                 token += 1
                 live_cells = count_cells(cut, begun_in, crossings, count, seen, token)
-            # No hole has two newborns, however small the first layer's cells were.
+            # No place has two newborns, however small the first layer's cells were.
             wanted = np.ceil(rings.areas[layer] / full_cell - 1e-9) - live_cells
-            wanted = int(min(wanted, float(cut.state[VERTICES])))
+            wanted = int(min(wanted, float(cut.state[VERTICES] + count)))
             given = motion.born[mesh.count[POINTS] - 1] == times[layer]
             if given or wanted <= 0:
                 break
@@ -217,7 +219,9 @@ def run(  # type: ignore[no-untyped-def]
             ):
                 outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
                 break
-            born = give_births(mesh, motion, cut, squares, shortlist, wanted, reach)
+            born = give_births(
+                mesh, motion, cut, squares, shortlist, rim, crossings, count, wanted, reach
+            )
             if born == 0:
                 break
             outcome[STATUS] = advance(mesh, motion, times[layer])

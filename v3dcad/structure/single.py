@@ -21,6 +21,7 @@ def diagrams_on(grid: Grid) -> Engine:
 
     It raises `GeometryError` for sites or sections that the engine cannot compute with.
     """
+    frame = grid.origin + np.array([[0.0], [grid.size]])
 
     def diagram_of(sites: Floats, weights: Floats, section: Section) -> Diagram:
         places, heavy = grid.snap(sites), grid.snap_weights(weights)
@@ -28,7 +29,7 @@ def diagrams_on(grid: Grid) -> Engine:
         still, always = np.zeros(len(order), np.int64), np.full(len(order), ALWAYS)
         bed = np.zeros(len(order))
         standing = Timed(places[order], heavy[order], still, always, bed, order)
-        course = Course(grid, standing, 0.0, np.array([section.z]), slope=1.0)
+        course = Course(grid, standing, 0.0, np.array([section.z]), 1.0, frame)
         return next(course.run([section], 0, np.inf)).diagram
 
     return diagram_of

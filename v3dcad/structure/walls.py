@@ -75,8 +75,8 @@ class Tracks(Value):
     """(t, 2) z at which it begins and ends"""
     ends: Floats
     """(t, 2, 2) x, y there"""
-    leaps: tuple[float, ...] = ()
-    """z at which those far outside the base rectangle leap"""
+    leaps: tuple[float, ...]
+    """z at which those outside the base rectangle leap"""
 
 
 def joined(pieces: Sequence[Tracks]) -> Tracks:
@@ -99,7 +99,10 @@ def joined(pieces: Sequence[Tracks]) -> Tracks:
         corners[begins],
         np.column_stack([spans[begins, 0], spans[stops, 1]]),
         np.stack([ends[begins, 0], ends[stops, 1]], axis=1),
-        tuple(float(piece.spans.max()) for piece in pieces[:-1] if len(piece.spans)),
+        (
+            *pieces[-1].leaps,
+            *(float(piece.spans.max()) for piece in pieces[:-1] if len(piece.spans)),
+        ),
     )
 
 

@@ -1,0 +1,173 @@
+"""Births at contours, where the hull of the sites has drawn back from them.
+
+A newborn between three sites never stands outside the hull of the living, which so shrinks from
+generation to generation. Therefore cells are also born where the wall of two of them leaves the
+section: q is the middle of the two sites, moved along the wall out to the base rectangle.
+
+Outside the hull a site always has a cell, far outside at first; it comes nearer as the weight
+grows. The difference between q's power function and the least of all others is convex, and has its
+minimum outside the base rectangle; so over the rectangle it is least at a corner, or where a wall
+meets a side. With the weight that makes that 0, q's cell touches the rectangle from outside.
+
+q grows as fast as the fastest of all, or a little faster than the two. So its cell had not been in
+the rectangle before, either, and what lies in it stays one power diagram in space.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.core.types import NamedTuple as TupleType
+
+from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.flips import MESH, NOTHING, POINTS, SENTINELS
+from v3dcad.geometry.grid import HEAVIEST
+from v3dcad.geometry.linking import linked
+from v3dcad.geometry.walk import (
+    EDGE,
+    FLOAT_ROWS,
+    FLOATS,
+    INTO,
+    INTS,
+    ROW,
+    ROWS,
+    SEGMENT,
+    power,
+    walk_rings,
+)
+from v3dcad.model import Floats
+
+MARGIN = 64
+"""Steps² that a newborn is too light by, so that rounding leaves its cell outside."""
+
+
+class Rim(NamedTuple):
+    """The base rectangle as a ring, with room for what is found along it."""
+
+    corners: Any
+    """(4, 2) float64 grid steps, counter-clockwise from (0, 0)"""
+    starts: Any
+    """(2,) int64: where the ring begins and ends"""
+    after: Any
+    """(4,) int64: which corner follows each"""
+    begun_in: Any
+    """(1,) int32: the cell that the walk around it begins in"""
+    crossings: Any
+    """(c, 4) int32 and"""
+    at: Any
+    """(c,) float64: what it meets"""
+    sizes: Any
+    """(k,) int64: how large the holes at a section's crossings are"""
+    born: Any
+    """(p,) int64: at which times newborns came from outside, and"""
+    count: Any
+    """(1,) int64: how many they are"""
+
+
+RIM = TupleType([FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS, INTS, INTS, INTS], Rim)
+
+
+def rim_of(extent: Floats, crossings: int, points: int) -> Rim:
+    """The rim of a rectangle of an extent (2,) in grid steps, for a section's crossings and so many
+    points.
+    """
+    most = 12 * points  # no side crosses any of a diagram's edges twice
+    return Rim(
+        corners=np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * np.floor(extent),
+        starts=np.array([0, 4]),
+        after=np.array([1, 2, 3, 0]),
+        begun_in=np.empty(1, np.int32),
+        crossings=np.empty((most, 4), np.int32),
+        at=np.empty(most),
+        sizes=np.empty(crossings, np.int64),
+        born=np.empty(points, np.int64),
+        count=np.zeros(1, np.int64),
+    )
+
+
+@njit(types.UniTuple(WORD, 2)(MESH, ROWS, WORD), **INLINED)
+def cells_at(mesh, crossings, crossing):  # type: ignore[no-untyped-def]
+    """The cells that a ring leaves and enters at a crossing."""
+    triangles, into = mesh.triangles, crossings[crossing, INTO]
+    triangle, i = crossings[crossing, EDGE] // 3, crossings[crossing, EDGE] % 3
+    one, other = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
+    return (other, into) if one == into else (one, into)
+
+
+@njit(types.UniTuple(WORD, 2)(POINT_ROWS, FLOAT_ROWS, WORD, WORD), **INLINED)
+def moved_out(points, corners, i, j):  # type: ignore[no-untyped-def]
+    """Where the middle of two points gets to a side of the rectangle, at right angles to the way
+    from the first to the second and to its right: that is where a ring around what is inside has
+    its outside when it passes from cell to cell.
+    """
+    dx, dy = points[j, 1] - points[i, 1], points[i, 0] - points[j, 0]
+    x, y = (points[i, 0] + points[j, 0]) / 2, (points[i, 1] + points[j, 1]) / 2
+    east, north = corners[2, 0], corners[2, 1]
+    share = np.inf
+    if dx != 0:
+        share = max(((east if dx > 0 else 0.0) - x) / dx, 0.0)
+    if dy != 0:
+        share = min(share, max(((north if dy > 0 else 0.0) - y) / dy, 0.0))
+    return int(np.rint(x + share * dx)), int(np.rint(y + share * dy))
+
+
+@linked(types.void(MESH, RIM, ROWS, WORD), **INTERNAL)
+def size_rim(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
+    """Fill in how large the holes at a section's crossings are: four times the area of the triangle
+    of two sites and where their newborn would be, steps². That compares with other holes as if the
+    sites had mirror images outside.
+    """
+    points = mesh.points
+    for crossing in range(count):
+        i, j = cells_at(mesh, crossings, crossing)
+        x, y = moved_out(points, rim.corners, i, j)
+        dx, dy = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1]
+        rim.sizes[crossing] = 2 * abs(dx * (y - points[i, 1]) - dy * (x - points[i, 0]))
+
+
+@njit(WORD(MESH, RIM, ROWS, WORD), **INLINED)
+def largest_of(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
+    """The crossing with the largest hole, or `NOTHING` where all are 0; of equal ones that between
+    the cells that come first.
+    """
+    largest, size, first, second = NOTHING, 0, 0, 0
+    for crossing in range(count):
+        if rim.sizes[crossing] > 0 and rim.sizes[crossing] >= size:
+            i, j = cells_at(mesh, crossings, crossing)
+            if rim.sizes[crossing] > size or i < first or (i == first and j < second):
+                largest, size, first, second = crossing, rim.sizes[crossing], i, j
+    return largest
+
+
+@linked(WORD(MESH, INTS), **INTERNAL)
+def fastest(mesh, growth):  # type: ignore[no-untyped-def]
+    """The growth of the fastest point that is not hidden."""
+    most = growth[0]
+    for point in range(SENTINELS, mesh.count[POINTS]):
+        if mesh.triangle_of[point] != NOTHING:
+            most = max(most, growth[point])
+    return most
+
+
+@linked(WORD(MESH, RIM, WORD, WORD), **INTERNAL)
+def weight_outside(mesh, rim, x, y):  # type: ignore[no-untyped-def]
+    """The weight with which the cell of a point outside the hull just touches the rectangle, but
+    for `MARGIN`; `HEAVIEST` where it cannot be found.
+    """
+    points, crossings, corners = mesh.points, rim.crossings, rim.corners
+    count = walk_rings(mesh, corners, rim.starts, rim.after, rim.begun_in, crossings, rim.at)
+    if count < 0:
+        return HEAVIEST
+    cell, crossing, least = rim.begun_in[0], 0, np.inf
+    for side in range(4):
+        ax, ay = corners[side, 0], corners[side, 1]
+        bx, by = corners[rim.after[side], 0], corners[rim.after[side], 1]
+        least = min(least, (ax - x) ** 2 + (ay - y) ** 2 - power(points, cell, ax, ay))
+        while crossing < count and crossings[crossing, SEGMENT] == side:
+            cell, share = crossings[crossing, INTO], rim.at[crossing]
+            cx, cy = ax + share * (bx - ax), ay + share * (by - ay)
+            least = min(least, (cx - x) ** 2 + (cy - y) ** 2 - power(points, cell, cx, cy))
+            crossing += 1
+    return int(np.floor(least)) - MARGIN

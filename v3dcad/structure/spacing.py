@@ -1,0 +1,95 @@
+"""The distance that newborns keep, so that no wall leans too much."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.core.types import NamedTuple as TupleType
+
+from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS
+from v3dcad.geometry.grid import STEPS
+from v3dcad.geometry.linking import linked
+from v3dcad.geometry.walk import FLOAT
+
+
+@njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)
+def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-untyped-def]
+    """Whether a site at (x, y) is at least `reach` from a point per step of growth between them.
+
+    Faster points count as slower ones do: the wall between the two leans as much.
+    """
+    apart = abs(grows - growth[point]) * reach
+    dx, dy = points[point, 0] - x, points[point, 1] - y
+    return dx * dx + dy * dy >= apart * apart
+
+
+class Squares(NamedTuple):
+    """Points by squares of a grid over the frame, to look for near ones."""
+
+    first: Any
+    """(side²,) int32: the point listed last in each square, or −1"""
+    following: Any
+    """(p,) int32: the point listed before each in its square, or −1"""
+    state: Any
+    """(2,) int64: how many points are listed, and the fastest one's growth"""
+
+
+SQUARES = TupleType([ROW, ROW, types.int64[::1]], Squares)
+COUNT, FASTEST = range(2)
+
+
+def no_squares(points: int) -> Squares:
+    """An empty grid for up to so many points."""
+    side = int(np.sqrt(points / 4)) + 1
+    return Squares(
+        np.full(side * side, -1, np.int32), np.empty(points, np.int32), np.array([SENTINELS, 0])
+    )
+
+
+@linked(types.void(MESH, types.int64[::1], SQUARES), **INTERNAL)
+def list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
+    """List the points that are not listed yet."""
+    points, first, following = mesh.points, squares.first, squares.following
+    side = int(np.sqrt(len(first)))
+    for point in range(squares.state[COUNT], mesh.count[POINTS]):
+        row, column = points[point, 1] * side // STEPS, points[point, 0] * side // STEPS
+        square = min(row, side - 1) * side + min(column, side - 1)
+        following[point] = first[square]
+        first[square] = point
+        squares.state[FASTEST] = max(squares.state[FASTEST], growth[point])
+    squares.state[COUNT] = mesh.count[POINTS]
+
+
+@linked(
+    WORD(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
+    **INTERNAL,
+)
+def too_near(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
+    """A point that a site at (x, y) would be too near to, or `NOTHING`: it must be apart from every
+    listed point that is not hidden, in another place than those that are, and apart from all
+    points from `before` on.
+    """
+    points, live, first = mesh.points, mesh.triangle_of, squares.first
+    side, farthest = int(np.sqrt(len(first))), (squares.state[FASTEST] + 1) * reach
+    west, east = int((x - farthest) * side / STEPS), int((x + farthest) * side / STEPS)
+    south, north = int((y - farthest) * side / STEPS), int((y + farthest) * side / STEPS)
+    # The last squares hold what lies on the frame's sides, too.
+    south, west = max(min(south, side - 1), 0), max(min(west, side - 1), 0)
+    for row in range(south, min(north, side - 1) + 1):
+        for column in range(west, min(east, side - 1) + 1):
+            point = first[row * side + column]
+            while point >= 0:
+                if points[point, 0] == x and points[point, 1] == y:
+                    return point
+                if live[point] != NOTHING and not is_apart(
+                    points, growth, point, x, y, grows, reach
+                ):
+                    return point
+                point = squares.following[point]
+    for point in range(before, mesh.count[POINTS]):
+        if not is_apart(points, growth, point, x, y, grows, reach):
+            return point
+    return NOTHING
