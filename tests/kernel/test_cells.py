@@ -23,7 +23,6 @@ from build123d import (
     export_step,
     fillet,
     make_face,
-    offset,
     revolve,
     scale,
 )
@@ -37,7 +36,7 @@ import v3dcad
 from tests.kernel.exact import breaks, exact_area, integrated
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.geometry.convex import inset_cells
-from v3dcad.geometry.facets import Facets
+from v3dcad.geometry.facets import Facets, welded_facets
 from v3dcad.kernel.booleans import split
 from v3dcad.kernel.cells import cut_cells, cut_walls, thick_walls
 from v3dcad.kernel.mesh import surface_mesh
@@ -200,11 +199,17 @@ def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> No
 
 def test_walls_with_welded_corners_are_sound() -> None:
     """Corners at events are equal but for rounding, and so lie a bit off their walls' planes."""
-    part = offset(Box(50, 40, 30), -5, openings=Box(50, 40, 30).faces().sort_by(Axis.Z)[-1:])
-    structure = v3dcad.fill(part, sites=30, layer_height=0.4, random_seed=9)
-    assert structure.facets().slack.max() > 1e-7
-    assert all(map(is_valid, structure.cells()))
-    assert is_valid(structure.faces())
+    exact, places = case(20).walls(), case(20).sites
+    blurred = exact.points[exact.corners]
+    blurred += np.random.default_rng(9).uniform(-2e-6, 2e-6, blurred.shape)
+    walls = welded_facets(exact.sites, blurred, exact.starts, places)
+    assert len(walls) == len(exact)
+    assert len(walls.points) == len(exact.points)
+    assert walls.slack.max() > 1e-6
+    cells, _ = cut_cells(block(), walls, SHIFT)
+    assert len(cells) == len(np.unique(exact.sites))
+    assert all(map(is_valid, cells))
+    assert all(map(is_valid, cut_walls(block(), walls, SHIFT)))
 
 
 def test_a_loss_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
