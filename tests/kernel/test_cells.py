@@ -27,8 +27,9 @@ from build123d import (
     scale,
 )
 from occt import area_of, distinct, faces_of, is_valid, occurrences, solids_of, volume_of
-from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
-from OCP.TopoDS import TopoDS_Shape
+from OCP.BRep import BRep_Tool
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_VERTEX
+from OCP.TopoDS import TopoDS, TopoDS_Shape
 from one_diagram import power_diagram
 from walls_oracle import power_walls
 
@@ -40,6 +41,7 @@ from v3dcad.geometry.facets import Facets, welded_facets
 from v3dcad.kernel.booleans import split
 from v3dcad.kernel.cells import cut_cells, cut_walls, thick_walls
 from v3dcad.kernel.mesh import surface_mesh
+from v3dcad.kernel.plane_faces import wall_faces
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import SOLID, compound, subshapes, volume
 from v3dcad.model import Floats, Placement, Section
@@ -206,6 +208,9 @@ def test_walls_with_welded_corners_are_sound() -> None:
     assert len(walls) == len(exact)
     assert len(walls.points) == len(exact.points)
     assert walls.slack.max() > 1e-6
+    vertices = subshapes(compound(wall_faces(walls)), TopAbs_VERTEX)
+    tolerances = [BRep_Tool.Tolerance_s(TopoDS.Vertex_s(vertex)) for vertex in vertices]
+    assert max(tolerances) >= walls.slack.max(), "a vertex holds all corners welded into it"
     cells, _ = cut_cells(block(), walls, SHIFT)
     assert len(cells) == len(np.unique(exact.sites))
     assert all(map(is_valid, cells))
