@@ -21,8 +21,8 @@ numba's cache has not; and"""
 THEIRS = (
     "v3dcad.geometry.polygon",
     "v3dcad.geometry.cut",
-    "v3dcad.geometry.tree",
     "v3dcad.geometry.graph",
+    "v3dcad.geometry.tree",
     "v3dcad.geometry.support",
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
