@@ -15,11 +15,12 @@ Where contours are far outside the hull of the sites, cells are born there, too:
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit, types
 
 from v3dcad.geometry.agenda import LAST, MOST, MOTION, NOW
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, conflicts
-from v3dcad.geometry.flips import MESH, NOTHING, POINTS, SENTINELS, TRIANGLE_ROWS
+from v3dcad.geometry.flips import MESH, NOTHING, POINTS, TRIANGLE_ROWS
 from v3dcad.geometry.grid import HEAVIEST
 from v3dcad.geometry.inside import CUT
 from v3dcad.geometry.kinetics import add_point
@@ -36,13 +37,13 @@ from v3dcad.structure.holes import (
     size_of,
 )
 from v3dcad.structure.rim import (
+    MARGIN,
     RIM,
     cells_at,
-    fastest,
     largest_of,
     moved_out,
     size_rim,
-    weight_outside,
+    touching,
 )
 from v3dcad.structure.spacing import SQUARES, list_points, too_near
 
@@ -52,17 +53,23 @@ With more, cells are less even and the hull shrinks sooner; with less, they hard
 up."""
 
 
-@linked(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
-def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
-    """The largest weight (steps², but for rounding) at which q has no cell beside a, b, c."""
+@njit(types.UniTuple(FLOAT, 2)(POINT_ROWS, *[WORD] * 3), **INLINED)
+def orthocentre(points, a, b, c):  # type: ignore[no-untyped-def]
+    """Where the cells of three points meet, from the first of them, grid steps."""
     x, y, weight = points[a, 0], points[a, 1], points[a, 2]
     bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
     of_b = float(bx * bx + by * by - points[b, 2] + weight)
     of_c = float(cx * cx + cy * cy - points[c, 2] + weight)
     double = 2.0 * (bx * cy - by * cx)
-    vx, vy = (cy * of_b - by * of_c) / double, (bx * of_c - cx * of_b) / double
-    qx, qy = float(points[q, 0] - x), float(points[q, 1] - y)
-    return qx * (qx - 2 * vx) + qy * (qy - 2 * vy) + weight
+    return (cy * of_b - by * of_c) / double, (bx * of_c - cx * of_b) / double
+
+
+@linked(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
+def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
+    """The largest weight (steps², but for rounding) at which q has no cell beside a, b, c."""
+    vx, vy = orthocentre(points, a, b, c)
+    qx, qy = float(points[q, 0] - points[a, 0]), float(points[q, 1] - points[a, 1])
+    return qx * (qx - 2 * vx) + qy * (qy - 2 * vy) + points[a, 2]
 
 
 @linked(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
@@ -164,17 +171,18 @@ def _come_in(  # type: ignore[no-untyped-def]
     i, j = cells_at(mesh, crossings, crossing)
     x, y = moved_out(points, rim.corners, i, j)
     triangle = locate(mesh, mesh.triangle_of[i], x, y)
-    grows = max(fastest(mesh, growth), (growth[i] + growth[j]) // 2 + LEAD)
-    corner = mesh.triangles[triangle]
-    in_hull = min(corner[0], corner[1], corner[2]) >= SENTINELS
-    if in_hull or not holds(mesh, triangle, x, y) or grows > motion.state[MOST]:
+    a, b, c = mesh.triangles[triangle, 0], mesh.triangles[triangle, 1], mesh.triangles[triangle, 2]
+    vx, vy = orthocentre(points, a, b, c)
+    vx, vy, far = points[a, 0] + vx, points[a, 1] + vy, rim.corners[2]
+    if (0 <= vx <= far[0] and 0 <= vy <= far[1]) or not holds(mesh, triangle, x, y):
+        return NOTHING
+    weight, pace = touching(mesh, growth, rim, x, y)
+    grows = int(np.floor(pace)) + LEAD
+    if weight + MARGIN >= HEAVIEST or weight - MARGIN <= -HEAVIEST or grows > motion.state[MOST]:
         return NOTHING
     if too_near(mesh, growth, squares, before, x, y, grows, reach) != NOTHING:
         return NOTHING
-    weight = weight_outside(mesh, rim, x, y)
-    if abs(weight) >= HEAVIEST:
-        return NOTHING
-    points[q, 0], points[q, 1], points[q, 2] = x, y, weight
+    points[q, 0], points[q, 1], points[q, 2] = x, y, int(np.floor(weight)) - MARGIN
     mesh.triangle_of[q] = NOTHING
     _enter(mesh, motion, q, grows)
     rim.born[rim.count[0]] = motion.state[NOW]
@@ -189,7 +197,7 @@ def give_births(  # type: ignore[no-untyped-def]
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
     Each is at the centroid of a triangle whose vertex lies inside the section, or, one at a time,
-    outside the hull where a wall leaves the section: at one of its first `count` crossings. It
+    from outside where a wall leaves the section: at one of its first `count` crossings. It
     keeps its distance: `reach` grid steps per unit of growth. There must be room for them in points
     and log.
     """

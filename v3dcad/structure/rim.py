@@ -1,16 +1,21 @@
-"""Births at contours, where the hull of the sites has drawn back from them.
+"""Births at contours, where the sites whose cells are inside have drawn back from them.
 
 A newborn between three sites never stands outside the hull of the living, which so shrinks from
 generation to generation. Therefore cells are also born where the wall of two of them leaves the
 section: q is the middle of the two sites, moved along the wall out to the base rectangle.
 
-Outside the hull a site always has a cell, far outside at first; it comes nearer as the weight
-grows. The difference between q's power function and the least of all others is convex, and has its
-minimum outside the base rectangle; so over the rectangle it is least at a corner, or where a wall
-meets a side. With the weight that makes that 0, q's cell touches the rectangle from outside.
+As its weight grows the cell of q begins at the orthocentre of the triangle that q stands in. Where
+that is outside the base rectangle the cell has to come nearer before anything is seen of it. q's
+power function less that of any other site is linear in x, y and z, so that less the least of all
+others it is convex; its minimum in the layer's plane lies at that orthocentre; so over the
+rectangle it is least at a corner, or where a wall meets a side. With the weight that makes that 0,
+q's cell touches the rectangle from outside.
 
-q grows as fast as the fastest of all, or a little faster than the two. So its cell had not been in
-the rectangle before, either, and what lies in it stays one power diagram in space.
+Below the layer the difference must not be negative in the rectangle either, so that q's cell has
+never been there and all that is stays one power diagram in space. Since it is convex, its slope at
+the touching point decides: q has to grow no slower than the site there, or, on a side, than the two
+on average, each weighted by how near it is to q along the side. Like all newborns it grows a little
+more.
 """
 
 from __future__ import annotations
@@ -22,11 +27,11 @@ from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
-from v3dcad.geometry.flips import MESH, NOTHING, POINTS, SENTINELS
-from v3dcad.geometry.grid import HEAVIEST
+from v3dcad.geometry.flips import MESH, NOTHING
 from v3dcad.geometry.linking import linked
 from v3dcad.geometry.walk import (
     EDGE,
+    FLOAT,
     FLOAT_ROWS,
     FLOATS,
     INTO,
@@ -41,6 +46,10 @@ from v3dcad.model import Floats
 
 MARGIN = 64
 """Steps² that a newborn is too light by, so that rounding leaves its cell outside."""
+
+ROWS_BESIDE = 61
+"""In so many rows of grid points beside a side newborns stand: in one they would be collinear, and
+none could come between two others."""
 
 
 class Rim(NamedTuple):
@@ -104,12 +113,13 @@ def moved_out(points, corners, i, j):  # type: ignore[no-untyped-def]
     """
     dx, dy = points[j, 1] - points[i, 1], points[i, 0] - points[j, 0]
     x, y = (points[i, 0] + points[j, 0]) / 2, (points[i, 1] + points[j, 1]) / 2
-    east, north = corners[2, 0], corners[2, 1]
+    inset = 1 + (i + j) % ROWS_BESIDE
+    east, north = corners[2, 0] - inset, corners[2, 1] - inset
     share = np.inf
     if dx != 0:
-        share = max(((east if dx > 0 else 0.0) - x) / dx, 0.0)
+        share = max(((east if dx > 0 else inset) - x) / dx, 0.0)
     if dy != 0:
-        share = min(share, max(((north if dy > 0 else 0.0) - y) / dy, 0.0))
+        share = min(share, max(((north if dy > 0 else inset) - y) / dy, 0.0))
     return int(np.rint(x + share * dx)), int(np.rint(y + share * dy))
 
 
@@ -141,33 +151,31 @@ def largest_of(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
     return largest
 
 
-@linked(WORD(MESH, INTS), **INTERNAL)
-def fastest(mesh, growth):  # type: ignore[no-untyped-def]
-    """The growth of the fastest point that is not hidden."""
-    most = growth[0]
-    for point in range(SENTINELS, mesh.count[POINTS]):
-        if mesh.triangle_of[point] != NOTHING:
-            most = max(most, growth[point])
-    return most
-
-
-@linked(WORD(MESH, RIM, WORD, WORD), **INTERNAL)
-def weight_outside(mesh, rim, x, y):  # type: ignore[no-untyped-def]
-    """The weight with which the cell of a point outside the hull just touches the rectangle, but
-    for `MARGIN`; `HEAVIEST` where it cannot be found.
+@linked(types.UniTuple(FLOAT, 2)(MESH, INTS, RIM, WORD, WORD), **INTERNAL)
+def touching(mesh, growth, rim, x, y):  # type: ignore[no-untyped-def]
+    """The weight with which the cell of a point begins to touch the rectangle from outside, and the
+    growth at which it goes on to do so; an infinite weight where it cannot be found.
     """
     points, crossings, corners = mesh.points, rim.crossings, rim.corners
     count = walk_rings(mesh, corners, rim.starts, rim.after, rim.begun_in, crossings, rim.at)
     if count < 0:
-        return HEAVIEST
-    cell, crossing, least = rim.begun_in[0], 0, np.inf
+        return np.inf, 0.0
+    cell, crossing, weight, pace = rim.begun_in[0], 0, np.inf, 0.0
     for side in range(4):
         ax, ay = corners[side, 0], corners[side, 1]
         bx, by = corners[rim.after[side], 0], corners[rim.after[side], 1]
-        least = min(least, (ax - x) ** 2 + (ay - y) ** 2 - power(points, cell, ax, ay))
+        least = (ax - x) ** 2 + (ay - y) ** 2 - power(points, cell, ax, ay)
+        if least < weight:
+            weight, pace = least, float(growth[cell])
         while crossing < count and crossings[crossing, SEGMENT] == side:
-            cell, share = crossings[crossing, INTO], rim.at[crossing]
+            into, share = crossings[crossing, INTO], rim.at[crossing]
             cx, cy = ax + share * (bx - ax), ay + share * (by - ay)
-            least = min(least, (cx - x) ** 2 + (cy - y) ** 2 - power(points, cell, cx, cy))
-            crossing += 1
-    return int(np.floor(least)) - MARGIN
+            least = (cx - x) ** 2 + (cy - y) ** 2 - power(points, into, cx, cy)
+            if least < weight:
+                axis = 0 if ay == by else 1
+                start, way = points[cell, axis], points[into, axis] - points[cell, axis]
+                near = ((x if axis == 0 else y) - start) / way if way != 0 else 1.0
+                near = min(max(near, 0.0), 1.0)
+                weight, pace = least, growth[cell] + near * (growth[into] - growth[cell])
+            cell, crossing = into, crossing + 1
+    return weight, pace
