@@ -15,8 +15,8 @@ from v3dcad.structure.growth import PACE
 from v3dcad.structure.overhang import overhang
 from v3dcad.structure.sites import scatter_sites
 
-BESIDE = 2e-4
-"""mm; newborns from outside stand up to 62 grid steps inside the base rectangle's sides."""
+BESIDE = 1e-3
+"""mm; newborns from outside stand up to 62 grid steps inside the rectangle's sides."""
 
 SQUARE = np.array([[0.0, 0], [30, 0], [30, 30], [0, 30]])
 HOLE = np.array([[12.0, 12], [12, 17], [18, 18], [17, 12]])
@@ -160,7 +160,7 @@ def test_births_are_those_of_the_law(
         assert outer.sum() < 2, "one at a time"
         np.testing.assert_allclose(weights[~outer], below.weights[chosen][~outer], atol=1e-4)
         # Sampled along the rectangle, where the least may be missed by a bit.
-        assert (np.abs(below.weights[chosen] - weights - 0.1)[outer] <= 0.1 + 1e-6).all()
+        assert (np.abs(below.weights[chosen] - weights - 0.1)[outer] <= 0.15).all()
         came_in += outer.sum()
         seen = below.room(below.sites[below.inside], below.growth[below.inside])
         assert seen[chosen].min(initial=0) >= -BESIDE, "walls would lean too much"
