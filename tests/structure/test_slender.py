@@ -44,7 +44,7 @@ def pole(
 CASES = {
     "slow": {"aspect": 50, "count": 20, "offset": 2.0},
     "steep": {"aspect": 10, "max_overhang": 80.0},
-    "many epochs": {"aspect": 25, "max_overhang": 88.0, "count": 30},
+    "many epochs": {"aspect": 25, "max_overhang": 84.0, "count": 20},
     "pyramid": {"aspect": 50, "foot": 0.3, "max_overhang": 75.0, "seed": 5},
 }
 
