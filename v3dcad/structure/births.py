@@ -170,11 +170,14 @@ def _come_in(  # type: ignore[no-untyped-def]
     points, growth, q = mesh.points, motion.growth, mesh.count[POINTS]
     i, j = cells_at(mesh, crossings, crossing)
     x, y = moved_out(points, rim.corners, i, j)
+    east, north = rim.corners[2, 0], rim.corners[2, 1]
+    if not (0 <= x <= east and 0 <= y <= north):  # a rectangle narrower than the rows beside it
+        return NOTHING
     triangle = locate(mesh, mesh.triangle_of[i], x, y)
     a, b, c = mesh.triangles[triangle, 0], mesh.triangles[triangle, 1], mesh.triangles[triangle, 2]
     vx, vy = orthocentre(points, a, b, c)
-    vx, vy, far = points[a, 0] + vx, points[a, 1] + vy, rim.corners[2]
-    if (0 <= vx <= far[0] and 0 <= vy <= far[1]) or not holds(mesh, triangle, x, y):
+    inside = 0 <= points[a, 0] + vx <= east and 0 <= points[a, 1] + vy <= north
+    if inside or not holds(mesh, triangle, x, y):
         return NOTHING
     weight, pace = touching(mesh, growth, rim, x, y)
     grows = int(np.floor(pace)) + LEAD
@@ -183,6 +186,8 @@ def _come_in(  # type: ignore[no-untyped-def]
     if too_near(mesh, growth, squares, before, x, y, grows, reach) != NOTHING:
         return NOTHING
     points[q, 0], points[q, 1], points[q, 2] = x, y, int(np.floor(weight)) - MARGIN
+    if not conflicts(points, a, b, c, q):  # its cell would begin beside the rectangle
+        return NOTHING
     mesh.triangle_of[q] = NOTHING
     _enter(mesh, motion, q, grows)
     rim.born[rim.count[0]] = motion.state[NOW]
