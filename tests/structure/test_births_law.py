@@ -209,6 +209,31 @@ def test_cells_stay_even_on_a_tall_pole(count: int, seed: int) -> None:
             assert (areas**2).sum() / areas.sum() < 3 * 900 / count, "of the cell around a point"
 
 
+TURN = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+SHAPES = {
+    "disc": 10 + 10 * np.column_stack([np.cos(TURN), np.sin(TURN)]),
+    "angle": np.array([[0.0, 0], [20, 0], [20, 6], [6, 6], [6, 20], [0, 20]]),
+    "bar": np.array([[0.0, 0], [40, 0], [40, 8], [0, 8]]),
+}
+
+
+@pytest.mark.parametrize("name", sorted(SHAPES))
+def test_cells_stay_as_many_on_poles_of_any_shape(name: str) -> None:
+    """Without newborns from outside the bar and the angle had a quarter of them left at the top."""
+    ring = SHAPES[name]
+    sites = scatter_sites(np.stack([ring.min(axis=0), ring.max(axis=0)]), 60, 0)
+    sections = [Section(0.2 * k, (ring,)) for k in range(1200)]
+    filling = fill_sections(sections, sites, FillSettings(layer_height=0.2))
+    first, *others = (layer.area_per_cell for layer in filling.layers)
+    assert max(others) < 1.15 * first
+    assert filling.history.tracks.leaps, "none came in from outside"
+    for z in (100.03, 200.07):
+        diagram = filling.at(z)
+        _, segments = filling.walls.slice(z)
+        length = np.hypot(*(segments[:, 0] - segments[:, 1]).T).sum()
+        assert length == pytest.approx(diagram.lengths()[diagram.inner()].sum(), rel=1e-9)
+
+
 @pytest.mark.parametrize("limit", [15.0, 45.0, 70.0])
 def test_no_wall_leans_beyond_the_limit_with_births(limit: float) -> None:
     filling = structure(40, 4, limit, (SQUARE,))
