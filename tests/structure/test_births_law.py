@@ -227,6 +227,8 @@ def test_cells_stay_as_many_on_poles_of_any_shape(name: str) -> None:
     first, *others = (layer.area_per_cell for layer in filling.layers)
     assert max(others) < 1.15 * first
     assert filling.history.tracks.leaps, "none came in from outside"
+    slack = filling.facets(240.0).slack.max()
+    assert slack < 1e-6, "corners that should be one: newborns were in the rectangle at their birth"
     for z in (100.03, 200.07):
         diagram = filling.at(z)
         _, segments = filling.walls.slice(z)

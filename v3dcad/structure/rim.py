@@ -84,7 +84,7 @@ def rim_of(extent: Floats, crossings: int, points: int) -> Rim:
     """
     most = 12 * points  # no side crosses any of a diagram's edges twice
     return Rim(
-        corners=np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * np.floor(extent),
+        corners=np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * np.ceil(extent),
         starts=np.array([0, 4]),
         after=np.array([1, 2, 3, 0]),
         begun_in=np.empty(1, np.int32),
