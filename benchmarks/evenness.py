@@ -1,7 +1,7 @@
 """How even cells stay on the way up a pole: `python -m benchmarks.evenness`.
 
-A square pole of width 1 with the default settings, its sites scattered as `v3dcad fill` does, with
-layers of a hundredth. For each height: how many cells there are, the largest one, and the one that
+A square pole with the default settings, its sites scattered as `v3dcad fill` does, with layers of a
+hundredth of its width. For each height: how many cells there are, the largest one, and the one that
 a random point lies in, in shares of the mean cell; the worst of three seeds.
 """
 

@@ -16,7 +16,7 @@ from v3dcad.model import Floats, Ints
 from v3dcad.settings import FillSettings
 
 PACE = 24
-"""Units of growth that the offset is. Newborns' growths lie between (`births.py`)."""
+"""Units of growth that the offset is: fine enough for newborns' growths (`births.py`)."""
 
 USUAL = FillSettings().max_overhang
 """Degrees: the limit of those who set none."""

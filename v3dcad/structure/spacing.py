@@ -17,7 +17,7 @@ from v3dcad.geometry.walk import FLOAT
 
 @njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)
 def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-untyped-def]
-    """Whether a site at (x, y) is at least `reach` from a point per step of growth between them.
+    """Whether a site at (x, y) is at least `reach` from a point per unit of growth between them.
 
     Faster points count as slower ones do: the wall between the two leans as much.
     """
