@@ -6,21 +6,24 @@ from hashlib import blake2b
 from pathlib import Path
 
 NOTE = "compiled-sources"
-"""The file beside the caches that tells which sources they were made of."""
+"""The file beside the caches that says which sources they were made of."""
+
+COMPILED_FOLDERS = ("geometry", "structure")
+"""The folders of the package that hold compiled functions, at any depth."""
 
 
 def forget_stale(package: Path) -> None:
-    """Delete numba's caches in a package's folders if they were made of other sources.
+    """Delete numba's caches below a package's compiled folders if they were made of other sources.
 
-    Numba compares only the file that a function stands in: of functions that it has taken in from
-    other files it would go on using what they were before an upgrade, and crash. Where folders
-    cannot be written to, nothing is done.
+    Numba compares only the file that a function stands in. It would keep using old copies of the
+    functions that were compiled into it from other files before an upgrade, and crash. Where
+    folders cannot be written to, nothing is done.
     """
-    folders = [package / name for name in ("geometry", "structure")]
+    roots = [package / name for name in COMPILED_FOLDERS]
     try:
-        sources = [source for folder in folders for source in sorted(folder.glob("*.py"))]
+        sources = [source for root in roots for source in sorted(root.rglob("*.py"))]
         digest = blake2b(b"".join(source.read_bytes() for source in sources)).hexdigest()
-        for folder in folders:
+        for folder in sorted({source.parent for source in sources}):
             caches = folder / "__pycache__"
             caches.mkdir(exist_ok=True)
             note = caches / NOTE

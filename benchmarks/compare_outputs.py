@@ -1,0 +1,133 @@
+"""Every output of two checkouts, compared: `python -m benchmarks.compare_outputs OTHER [NAMES]`.
+
+Runs the same commands in this checkout and in OTHER, writes what they make to two temporary
+folders and compares all files byte by byte, and what was printed line by line. Ends with exit
+code 1 where files differ. NAMES run only the commands whose names begin so.
+
+Clocks must not show: a command's own time and progress are taken out of what it printed.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent.parent
+
+RUN = "import sys; from v3dcad.cli import main; sys.exit(main())"
+
+ALL_FORMS = "--out . --3mf p.3mf --stl p.stl --brep p.brep --svg p.svg --diameter 1"
+
+COARSE = "--layer-height 0.6 --sites 15"
+
+COMMANDS = {
+    "bracket": f"fill SAMPLES/bracket.step {ALL_FORMS} {COARSE}",
+    "cone": f"fill SAMPLES/cone.step {ALL_FORMS} {COARSE}",
+    "islands": f"fill SAMPLES/islands.step {ALL_FORMS} {COARSE}",
+    "pyramid": f"fill SAMPLES/pyramid.step {ALL_FORMS} --layer-height 2 --sites 60",
+    "triangles": "fill SAMPLES/pyramid.stl --out . --stl p.stl --svg p.svg --layer-height 2",
+    "default": "fill SAMPLES/bracket.step --out .",
+    "columns": f"fill SAMPLES/bracket.step --out . --no-insertion --offset 0 {COARSE}",
+    **{
+        f"step-{form}": f"fill SAMPLES/bracket.step --step p.step --step-as {form} --sites 6 "
+        f"--layer-height {2 if form == 'beads' else 0.6} --thickness 1 --diameter 1"
+        for form in ("faces", "cells", "solid", "struts", "beads")
+    },
+    **{
+        f"mesh-{form}": f"fill SAMPLES/bracket.step --3mf p.3mf --threemf-as {form} --stl p.stl "
+        f"--stl-as {form} --stl-ascii --sites 6 --layer-height 2 --thickness 1 --diameter 1"
+        for form in ("solid", "struts", "beads")
+    },
+    "thesis-cone": f"fill SAMPLES/cone.step --out . --method thesis --base-clearance 0.1 {COARSE}",
+    "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 2",
+    "thesis-loft": f"fill SAMPLES/pyramid.step --out . --method thesis --interpolate {COARSE}",
+    "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",
+    "tree": f"fill SAMPLES/islands.step --gcode p.gcode --route tree --contour centre {COARSE}",
+    "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
+    f"--perimeters 2 --bead-shape rounded --overlap-compensation {COARSE}",
+    "klipper": f"fill SAMPLES/islands.step --gcode p.gcode --profile generic-klipper {COARSE}",
+    "turned": f"fill SAMPLES/bracket.step --ont p.ont --step p.step --up x --rotate 0,0,30 {COARSE}",
+    "as-brep": "fill SAMPLES/pyramid.stl --as-brep --ont p.ont --step p.step --layer-height 2",
+    "slice-bracket": "slice SAMPLES/bracket.step --layer-height 0.4 --step s.step --svg s.svg",
+    "slice-cone": "slice SAMPLES/cone.step --layer-height 0.4 --step s.step --svg s.svg",
+    "slice-mesh": "slice SAMPLES/pyramid.stl --layer-height 2 --svg s.svg",
+    "info": "info SAMPLES/bracket.step",
+    "info-mesh": "info SAMPLES/pyramid.stl",
+    "ont-info": "info bracket/bracket.ont",
+    "ont-check": "ont check bracket/bracket.ont",
+    "ont-convert": "ont convert bracket/bracket.ont p.ont --boundary stl",
+    "gcode-info": "gcode info bracket/bracket.gcode --json",
+    "nc-template": "nc template bracket/bracket.gcode --out p.toml",
+}
+"""What is run, by name: each in a folder of its name, where it may also read the folders of those
+before it. SAMPLES is the folder of sample parts."""
+
+CLOCKS = re.compile(r"\d+(\.\d+)? (s|ms|min)\b|\d+:\d\d:\d\d|[━╸╺]+|\d+ *%|\d+/\d+")
+"""What tells the time, or how far something was when it was drawn."""
+
+
+def run(checkout: Path, name: str, folder: Path) -> int:
+    """Run a command of a checkout in a folder of its name below another; keep what it printed.
+
+    Returns its exit code.
+    """
+    own = folder / name
+    own.mkdir()
+    words = COMMANDS[name].replace("SAMPLES", str(HERE / "samples")).split()
+    words = [f"../{word}" if (folder / word).is_file() else word for word in words]
+    path = {"PYTHONPATH": str(checkout), "COLUMNS": "200", "PYTHONHASHSEED": "0"}
+    done = subprocess.run(
+        [sys.executable, "-c", RUN, *words], cwd=own, env={**os.environ, **path},
+        capture_output=True, encoding="utf-8", check=False,
+    )  # fmt: skip
+    said = [CLOCKS.sub("", line).rstrip() for line in (done.stdout + done.stderr).splitlines()]
+    text = "\n".join(line for line in [f"exit code {done.returncode}", *said] if line)
+    (own / "printed").write_text(text.replace(str(own), "HERE"), encoding="utf-8")
+    return done.returncode
+
+
+def differences(here: Path, there: Path) -> list[str]:
+    """A line for each file of two folders that is not the same, and how what was printed differs."""
+    names = sorted({file.name for folder in (here, there) for file in folder.iterdir()})
+    found = []
+    for name in names:
+        one, other = here / name, there / name
+        if not (one.exists() and other.exists()):
+            found.append(f"{here.name}/{name} is only {'here' if one.exists() else 'there'}")
+        elif one.read_bytes() != other.read_bytes():
+            found.append(f"{here.name}/{name} differs")
+            if name == "printed":
+                texts = [file.read_text(encoding="utf-8").splitlines() for file in (other, one)]
+                found += list(difflib.unified_diff(*texts, "there", "here", n=0, lineterm=""))
+    return found
+
+
+def main(words: list[str]) -> int:
+    """Compare; say for each command how it ended, how many files it made, and what differs."""
+    other, chosen = Path(words[0]).resolve(), tuple(words[1:]) or ("",)
+    count = 0
+    with tempfile.TemporaryDirectory() as work:
+        here, there = Path(work, "here"), Path(work, "there")
+        here.mkdir()
+        there.mkdir()
+        for name in COMMANDS:
+            if not name.startswith(chosen):
+                continue
+            code = run(HERE, name, here)
+            run(other, name, there)
+            wrong = differences(here / name, there / name)
+            count += len(wrong)
+            files = len(list((here / name).iterdir())) - 1
+            print(f"{name}: exit code {code}, {files} files" + ("" if wrong else ", the same"))
+            print(*(f"    {line}" for line in wrong), sep="\n", end="\n" * bool(wrong), flush=True)
+    print("all the same" if not count else f"{count} differences")
+    return 1 if count else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
