@@ -51,7 +51,7 @@ COMMANDS = {
     "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
     f"--perimeters 2 --bead-shape rounded --overlap-compensation {COARSE}",
     "klipper": f"fill SAMPLES/islands.step --gcode p.gcode --profile generic-klipper {COARSE}",
-    "turned": f"fill SAMPLES/bracket.step --ont p.ont --step p.step --up x --rotate 0,0,30 {COARSE}",
+    "turned": f"fill SAMPLES/bracket.step --ont p.ont --step p.step --up x --rotate 0,0,9 {COARSE}",
     "as-brep": "fill SAMPLES/pyramid.stl --as-brep --ont p.ont --step p.step --layer-height 2",
     "slice-bracket": "slice SAMPLES/bracket.step --layer-height 0.4 --step s.step --svg s.svg",
     "slice-cone": "slice SAMPLES/cone.step --layer-height 0.4 --step s.step --svg s.svg",
@@ -92,7 +92,7 @@ def run(checkout: Path, name: str, folder: Path) -> int:
 
 
 def differences(here: Path, there: Path) -> list[str]:
-    """A line for each file of two folders that is not the same, and how what was printed differs."""
+    """A line for each file that is not the same in two folders, and for each line printed."""
     names = sorted({file.name for folder in (here, there) for file in folder.iterdir()})
     found = []
     for name in names:

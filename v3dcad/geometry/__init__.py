@@ -6,8 +6,8 @@ on the integer points of grid; cells: a diagram's rings on demand; polygon: do r
 
 from pathlib import Path
 
-from v3dcad.geometry.compiling import hasten_compiling
-from v3dcad.geometry.stale import forget_stale
+from v3dcad.geometry.compiled.cache import forget_stale
+from v3dcad.geometry.compiled.speed import hasten_compiling
 
 hasten_compiling("v3dcad")
 forget_stale(Path(__file__).parents[1])

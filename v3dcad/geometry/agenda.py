@@ -12,9 +12,11 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD, sign_of_sum
+from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL
+from v3dcad.geometry.exact import sign_of_sum
 from v3dcad.geometry.flips import ROW, TRIANGLE_ROWS
-from v3dcad.geometry.linking import linked
 
 NEVER = np.inf
 

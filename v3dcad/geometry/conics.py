@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
-from v3dcad.geometry.exact import INTERNAL, WORD
-from v3dcad.geometry.linking import linked
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.splines import FLOAT, HEAP
 from v3dcad.geometry.surfaces import CONE, CYLINDER, PLANE, REVOLUTION, SPHERE, TORUS
 

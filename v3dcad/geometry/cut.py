@@ -8,7 +8,9 @@ from __future__ import annotations
 from numba import types
 
 from v3dcad.geometry.agenda import EVERYTHING, MOTION, TOUCHED
-from v3dcad.geometry.exact import INTERNAL, WORD
+from v3dcad.geometry.compiled.arrays import INTS, ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, TRIANGLES, edge_to
 from v3dcad.geometry.inside import (
     CROSSED,
@@ -19,8 +21,7 @@ from v3dcad.geometry.inside import (
     drop_vertices,
     settle_edges,
 )
-from v3dcad.geometry.linking import linked
-from v3dcad.geometry.walk import INTO, INTS, ROWS
+from v3dcad.geometry.walk import INTO
 from v3dcad.geometry.winding import UNKNOWN, chain, wind
 
 

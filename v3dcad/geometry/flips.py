@@ -12,7 +12,9 @@ from typing import Any, NamedTuple
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, POINT_ROWS, WORD, orientation
+from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.compiled.options import INLINED
+from v3dcad.geometry.exact import orientation
 from v3dcad.geometry.grid import STEPS
 
 SENTINELS = 4

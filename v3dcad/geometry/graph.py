@@ -5,22 +5,21 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
-from v3dcad.geometry.exact import INTERNAL, WORD
-from v3dcad.geometry.flips import ACROSS, MESH
-from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
-from v3dcad.geometry.linking import linked
-from v3dcad.geometry.walk import (
+from v3dcad.geometry.compiled.arrays import (
     FLOAT,
     FLOAT_ROWS,
     FLOATS,
     INT_ROWS,
-    INTO,
     INTS,
     ROW,
     ROWS,
-    SEGMENT,
-    WINDING,
+    WORD,
 )
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL
+from v3dcad.geometry.flips import ACROSS, MESH
+from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.walk import INTO, SEGMENT, WINDING
 
 
 @linked(

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.exact import COMPILED
+from v3dcad.geometry.compiled.options import COMPILED
 from v3dcad.model import Floats, Ints
 
 STEPS = 1 << 24

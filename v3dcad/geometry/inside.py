@@ -17,10 +17,10 @@ from numba import types
 from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.agenda import MOTION, strut
-from v3dcad.geometry.exact import INTERNAL, WORD
+from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, INTS, ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
-from v3dcad.geometry.linking import linked
-from v3dcad.geometry.walk import FLOAT_ROWS, INTS, ROWS
 
 VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH, MOST = range(7)
 """What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are

@@ -32,7 +32,10 @@ from v3dcad.geometry.agenda import (
     push,
     with_log,
 )
-from v3dcad.geometry.exact import INTERNAL, UNCOUNTED, WORD, conflicts
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED
+from v3dcad.geometry.exact import conflicts
 from v3dcad.geometry.flips import (
     ACROSS,
     FLIP,
@@ -51,7 +54,6 @@ from v3dcad.geometry.flips import (
     split,
 )
 from v3dcad.geometry.grid import HEAVIEST
-from v3dcad.geometry.linking import linked
 from v3dcad.geometry.triangulation import build
 from v3dcad.model import Ints
 

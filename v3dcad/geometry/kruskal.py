@@ -8,8 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, POINT_ROWS, WORD
-from v3dcad.geometry.linking import linked
+from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import COMPILED, INLINED, INTERNAL
 from v3dcad.model import Ints
 
 LENGTHS, PAIRS, ROW = types.int64[::1], types.int64[:, ::1], types.int32[::1]

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.exact import COMPILED, INLINED
+from v3dcad.geometry.compiled.options import COMPILED, INLINED
 from v3dcad.model import Floats, Ints
 
 Flags = NDArray[np.bool_]

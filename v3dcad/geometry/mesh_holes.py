@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.exact import COMPILED
+from v3dcad.geometry.compiled.options import COMPILED
 from v3dcad.geometry.mesh_bodies import arm, sides_of
 from v3dcad.model import Floats, Ints
 

@@ -23,7 +23,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.exact import COMPILED, INTERNAL
+from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
 from v3dcad.model import Floats, Ints, Mesh, Section, Value
 
 SNAP = 1e-9

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
-from v3dcad.geometry.linking import linked
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
 
 FLOAT, FLOAT_ROWS, INTS = types.float64, types.float64[:, ::1], types.int64[::1]
 PLACE = types.Tuple((WORD, FLOAT, FLOAT))

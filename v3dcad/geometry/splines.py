@@ -13,7 +13,7 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from v3dcad.geometry.exact import INTERNAL
+from v3dcad.geometry.compiled.options import INTERNAL
 
 FLOAT = types.float64
 HEAP = types.Array(FLOAT, 1, "C", readonly=True)

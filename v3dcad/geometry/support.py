@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
-from v3dcad.geometry.linking import linked
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import COMPILED, INLINED, INTERNAL
 from v3dcad.model import Floats, Ints
 
 FLOAT = types.float64

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
 from v3dcad.geometry.contours import Stretch, contours
-from v3dcad.geometry.exact import COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, project
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Layer, Run, Section

@@ -11,8 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL
 from v3dcad.geometry.surface_mesh import SurfaceMesh, depth, project, turning_point, turning_points
 from v3dcad.geometry.surfaces import surface_at
 from v3dcad.model import Floats, Ints

@@ -14,9 +14,9 @@ from concurrent.futures import Executor
 import numpy as np
 from numba import njit
 
+from v3dcad.geometry.compiled.options import COMPILED
 from v3dcad.geometry.conics import POINTS, conic_at
 from v3dcad.geometry.curves import LINE
-from v3dcad.geometry.exact import COMPILED
 from v3dcad.geometry.gapes import mended
 from v3dcad.geometry.mesh_section import (
     SNAP,

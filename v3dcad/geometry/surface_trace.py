@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
 from v3dcad.geometry.conics import CIRCLE, ELLIPSE, LINES, conic_at
-from v3dcad.geometry.exact import ALLOCATING, COMPILED, INTERNAL, WORD
-from v3dcad.geometry.linking import linked
 from v3dcad.geometry.mesh_section import SNAP, is_thin
 from v3dcad.geometry.splines import FLOAT, HEAP, ROWS
 from v3dcad.geometry.surfaces import surface_at

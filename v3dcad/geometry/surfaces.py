@@ -21,9 +21,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
 from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
-from v3dcad.geometry.linking import linked
 from v3dcad.geometry.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
 
 (

@@ -14,7 +14,9 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import ALLOCATING, INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL
 from v3dcad.geometry.flips import (
     ACROSS,
     MESH,
@@ -27,7 +29,6 @@ from v3dcad.geometry.flips import (
 )
 from v3dcad.geometry.inside import CHANGED, CROSSED, CUT, WHOLE
 from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
-from v3dcad.geometry.linking import linked
 
 MASK = (1 << 32) - 1
 FEW = 8

@@ -11,7 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, UNCOUNTED, WORD, conflicts
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED
+from v3dcad.geometry.exact import conflicts
 from v3dcad.geometry.flips import (
     ACROSS,
     FAR,
@@ -29,7 +32,6 @@ from v3dcad.geometry.flips import (
     split,
 )
 from v3dcad.geometry.grid import STEPS
-from v3dcad.geometry.linking import linked
 from v3dcad.model import Ints
 
 

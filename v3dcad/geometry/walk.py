@@ -13,11 +13,21 @@ cell, over the diagram's edge that is dual to one of the triangulation.
 
 from __future__ import annotations
 
-from numba import njit, types
+from numba import njit
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.compiled.arrays import (
+    FLOAT,
+    FLOAT_ROWS,
+    FLOATS,
+    INTS,
+    POINT_ROWS,
+    ROW,
+    ROWS,
+    WORD,
+)
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, SENTINELS, corner_at, edge_to
-from v3dcad.geometry.linking import linked
 
 EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's
@@ -30,11 +40,6 @@ where a ring does not close."""
 LAPS = 4
 """A walk whose first point lies on an edge may end in the cell beside the one it began in; it then
 goes round once more from there."""
-
-FLOAT = types.float64
-FLOATS, FLOAT_ROWS = types.float64[::1], types.float64[:, ::1]
-INTS, INT_ROWS = types.int64[::1], types.int64[:, ::1]
-ROW, ROWS = types.int32[::1], types.int32[:, ::1]
 
 
 @njit(FLOAT(POINT_ROWS, WORD, FLOAT, FLOAT), **INLINED)

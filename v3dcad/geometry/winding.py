@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from numba import types
 
-from v3dcad.geometry.exact import INTERNAL, WORD
+from v3dcad.geometry.compiled.arrays import ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
 from v3dcad.geometry.inside import CROSSED, CUT, NONE
-from v3dcad.geometry.linking import linked
-from v3dcad.geometry.walk import EDGE, ROWS, WINDING
+from v3dcad.geometry.walk import EDGE, WINDING
 
 UNKNOWN = -(1 << 30)
 

@@ -12,10 +12,12 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, WORD, orientation
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL
+from v3dcad.geometry.exact import orientation
 from v3dcad.geometry.flips import MESH, NOTHING, ROW
 from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
-from v3dcad.geometry.linking import linked
 
 SHARE = 0.8
 """How far between the mean hole and the largest one the bar of a shortlist is."""

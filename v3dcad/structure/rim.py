@@ -26,22 +26,20 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
-from v3dcad.geometry.flips import MESH, NOTHING
-from v3dcad.geometry.linking import linked
-from v3dcad.geometry.walk import (
-    EDGE,
+from v3dcad.geometry.compiled.arrays import (
     FLOAT,
     FLOAT_ROWS,
     FLOATS,
-    INTO,
     INTS,
+    POINT_ROWS,
     ROW,
     ROWS,
-    SEGMENT,
-    power,
-    walk_rings,
+    WORD,
 )
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL
+from v3dcad.geometry.flips import MESH, NOTHING
+from v3dcad.geometry.walk import EDGE, INTO, SEGMENT, power, walk_rings
 from v3dcad.model import Floats
 
 MARGIN = 64

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.core.types import NamedTuple as TupleType
 
+from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, FLOATS, INTS
 from v3dcad.geometry.grid import Grid
-from v3dcad.geometry.walk import FLOAT_ROWS, FLOATS, INTS
 from v3dcad.model import Section
 
 HAIR = 2.0**-20

@@ -8,11 +8,11 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import INLINED, INTERNAL, POINT_ROWS, WORD
+from v3dcad.geometry.compiled.arrays import FLOAT, POINT_ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL
 from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS
 from v3dcad.geometry.grid import STEPS
-from v3dcad.geometry.linking import linked
-from v3dcad.geometry.walk import FLOAT
 
 
 @njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)

@@ -8,7 +8,7 @@ from numba import njit
 from numba.core import config, event
 from numba.core.errors import TypingError
 
-from v3dcad.geometry.compiling import LEVEL, hasten_compiling
+from v3dcad.geometry.compiled.speed import LEVEL, hasten_compiling
 
 
 class Watcher(event.Listener):

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from numba import njit, types
 
-from v3dcad.geometry.exact import COMPILED
-from v3dcad.geometry.linking import linked
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import COMPILED
 
 NUMBERS = types.Array(types.float64, 1, "C", readonly=True)
 UNCACHED = {**COMPILED, "cache": False}
@@ -61,7 +61,7 @@ def test_callers_hold_its_name_and_not_its_code() -> None:
 def test_a_cached_caller_finds_it_in_another_process(tmp_path: Path) -> None:
     (tmp_path / "halves.py").write_text(
         "from numba import njit, types\n"
-        "from v3dcad.geometry.linking import linked\n"
+        "from v3dcad.geometry.compiled.linked import linked\n"
         "@linked(types.float64(types.float64), cache=True)\n"
         "def half(number):\n"
         "    return number / 2\n"

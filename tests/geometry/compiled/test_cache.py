@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from v3dcad.geometry.stale import forget_stale
+from v3dcad.geometry.compiled.cache import forget_stale
 
 FOLDERS = ["geometry", "geometry/clipping", "structure", "structure/sweep/deep"]
 
