@@ -23,8 +23,8 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from tests import oracle
-from v3dcad.geometry.grid import Grid, curve_order
-from v3dcad.geometry.triangulation import triangulation
+from v3dcad.geometry.power_diagram.grid import Grid, curve_order
+from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
 from v3dcad.model import Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections

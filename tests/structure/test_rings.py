@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from v3dcad import Section
-from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.structure.rings import HAIR, Rings, rings_of
 
 SQUARE = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])

@@ -9,10 +9,10 @@ from tests import oracle
 from tests.structure.test_births_law import BESIDE, Below
 from tests.structure.test_fill import fingerprint, laws
 from v3dcad import FillSettings, GeometryError, Section, fill_sections
-from v3dcad.geometry.epochs import FIRST
-from v3dcad.geometry.flips import POINTS, SENTINELS
-from v3dcad.geometry.grid import HEAVIEST, STEPS, UTMOST
-from v3dcad.geometry.triangulation import triangulation
+from v3dcad.geometry.power_diagram.epochs import FIRST
+from v3dcad.geometry.power_diagram.grid import HEAVIEST, STEPS, UTMOST
+from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import POINTS, SENTINELS
 from v3dcad.model import Layer
 from v3dcad.structure.checksum import structure_checksum
 from v3dcad.structure.fill import Filling

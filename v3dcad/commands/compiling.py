@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 OURS = (
-    "v3dcad.geometry.kinetics",
+    "v3dcad.geometry.power_diagram.kinetic_triangulation",
     "v3dcad.structure.births",
     "v3dcad.structure.layers",
     "v3dcad.structure.fill",

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 from numba import types
 
-from v3dcad.geometry.agenda import EVERYTHING, MOTION, TOUCHED
 from v3dcad.geometry.compiled.arrays import INTS, ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, TRIANGLES, edge_to
 from v3dcad.geometry.inside import (
     CROSSED,
     CUT,
@@ -20,6 +18,15 @@ from v3dcad.geometry.inside import (
     drop_edges,
     drop_vertices,
     settle_edges,
+)
+from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, MOTION, TOUCHED
+from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ACROSS,
+    MESH,
+    NOTHING,
+    ROW,
+    TRIANGLES,
+    edge_to,
 )
 from v3dcad.geometry.walk import INTO
 from v3dcad.geometry.winding import UNKNOWN, chain, wind

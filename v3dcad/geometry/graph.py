@@ -17,8 +17,8 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.flips import ACROSS, MESH
 from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH
 from v3dcad.geometry.walk import INTO, SEGMENT, WINDING
 
 

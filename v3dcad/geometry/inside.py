@@ -16,11 +16,11 @@ import numpy as np
 from numba import types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.agenda import MOTION, strut
 from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, INTS, ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, ROW, edge_to
+from v3dcad.geometry.power_diagram.event_queue import MOTION, strut
+from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH, NOTHING, ROW, edge_to
 
 VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH, MOST = range(7)
 """What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are

@@ -17,7 +17,9 @@ from numba.core.types import NamedTuple as TupleType
 from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL
-from v3dcad.geometry.flips import (
+from v3dcad.geometry.inside import CHANGED, CROSSED, CUT, WHOLE
+from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
+from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     MESH,
     NOTHING,
@@ -27,8 +29,6 @@ from v3dcad.geometry.flips import (
     corner_at,
     edge_to,
 )
-from v3dcad.geometry.inside import CHANGED, CROSSED, CUT, WHOLE
-from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
 
 MASK = (1 << 32) - 1
 FEW = 8

@@ -27,7 +27,14 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.flips import ACROSS, MESH, NOTHING, SENTINELS, corner_at, edge_to
+from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ACROSS,
+    MESH,
+    NOTHING,
+    SENTINELS,
+    corner_at,
+    edge_to,
+)
 
 EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's

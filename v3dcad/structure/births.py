@@ -18,16 +18,16 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.agenda import LAST, MOST, MOTION, NOW
 from v3dcad.geometry.compiled.arrays import FLOAT, POINT_ROWS, ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.exact import conflicts
-from v3dcad.geometry.flips import MESH, NOTHING, POINTS, TRIANGLE_ROWS
-from v3dcad.geometry.grid import HEAVIEST
 from v3dcad.geometry.inside import CUT
-from v3dcad.geometry.kinetics import add_point
-from v3dcad.geometry.triangulation import holds, locate
+from v3dcad.geometry.power_diagram.event_queue import LAST, MOST, MOTION, NOW
+from v3dcad.geometry.power_diagram.grid import HEAVIEST
+from v3dcad.geometry.power_diagram.kinetic_triangulation import add_point
+from v3dcad.geometry.power_diagram.predicates import conflicts
+from v3dcad.geometry.power_diagram.regular_triangulation import holds, locate
+from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, POINTS, TRIANGLE_ROWS
 from v3dcad.structure.holes import (
     BARREN,
     LISTED,

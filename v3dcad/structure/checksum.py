@@ -14,7 +14,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Checksum, Ints, Layer
 
 

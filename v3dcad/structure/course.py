@@ -7,15 +7,21 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.agenda import ALWAYS, LAST, MOST, STRUTS, with_log
-from v3dcad.geometry.epochs import FIRST, Epoch
-from v3dcad.geometry.flips import NOTHING, POINTS, SENTINELS, TRIANGLES
-from v3dcad.geometry.grid import HEAVIEST, UTMOST, Grid
 from v3dcad.geometry.inside import CROSSED, VERTICES, cut_with_room, empty_cut
-from v3dcad.geometry.kinetics import advance, all_ended, motion_of, resumed, with_room
 from v3dcad.geometry.polygon import winding_fault
+from v3dcad.geometry.power_diagram.epochs import FIRST, Epoch
+from v3dcad.geometry.power_diagram.event_queue import ALWAYS, LAST, MOST, STRUTS, with_log
+from v3dcad.geometry.power_diagram.grid import HEAVIEST, UTMOST, Grid
+from v3dcad.geometry.power_diagram.kinetic_triangulation import (
+    advance,
+    all_ended,
+    motion_of,
+    resumed,
+    with_room,
+)
+from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.geometry.tree import empty_tree, tree_with_room
-from v3dcad.geometry.triangulation import triangulation
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.layers import (

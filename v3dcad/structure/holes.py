@@ -15,9 +15,9 @@ from numba.core.types import NamedTuple as TupleType
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.exact import orientation
-from v3dcad.geometry.flips import MESH, NOTHING, ROW
 from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
+from v3dcad.geometry.power_diagram.predicates import orientation
+from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, ROW
 
 SHARE = 0.8
 """How far between the mean hole and the largest one the bar of a shortlist is."""

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from v3dcad.geometry.grid import Grid, curve_order
+from v3dcad.geometry.power_diagram.grid import Grid, curve_order
+from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
 from v3dcad.geometry.regions import contour_lines, section_area
 from v3dcad.geometry.support import distance_to_walls
-from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
 
 SLACK = 0.01

@@ -38,7 +38,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.flips import MESH, NOTHING
+from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING
 from v3dcad.geometry.walk import EDGE, INTO, SEGMENT, power, walk_rings
 from v3dcad.model import Floats
 

@@ -9,7 +9,7 @@ import numpy as np
 from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, FLOATS, INTS
-from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Section
 
 HAIR = 2.0**-20

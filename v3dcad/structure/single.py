@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from v3dcad.geometry.agenda import ALWAYS
-from v3dcad.geometry.grid import Grid, curve_order
+from v3dcad.geometry.power_diagram.event_queue import ALWAYS
+from v3dcad.geometry.power_diagram.grid import Grid, curve_order
 from v3dcad.model import Diagram, Floats, Section
 from v3dcad.structure.course import Course
 from v3dcad.structure.timed import Timed

@@ -11,8 +11,8 @@ from numba.core.types import NamedTuple as TupleType
 from v3dcad.geometry.compiled.arrays import FLOAT, POINT_ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.flips import MESH, NOTHING, POINTS, ROW, SENTINELS
-from v3dcad.geometry.grid import STEPS
+from v3dcad.geometry.power_diagram.grid import STEPS
+from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, POINTS, ROW, SENTINELS
 
 
 @njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from v3dcad.geometry.grid import Grid
+from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Floats, Ints, SiteState, Value
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.grid import HEAVIEST
+from v3dcad.geometry.power_diagram.grid import HEAVIEST
 from v3dcad.model import Ints
 
 

@@ -14,8 +14,8 @@ from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
 from v3dcad.geometry.compiled.options import INLINED
-from v3dcad.geometry.exact import orientation
-from v3dcad.geometry.grid import STEPS
+from v3dcad.geometry.power_diagram.grid import STEPS
+from v3dcad.geometry.power_diagram.predicates import orientation
 
 SENTINELS = 4
 

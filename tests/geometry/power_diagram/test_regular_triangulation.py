@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.agenda import STRUTS
-from v3dcad.geometry.flips import NOTHING, SENTINELS, TRIANGLES
-from v3dcad.geometry.grid import STEPS, Grid, curve_order
-from v3dcad.geometry.kinetics import advance, motion_of, resumed
 from v3dcad.geometry.kruskal import spanning_tree
-from v3dcad.geometry.triangulation import neighbour_pairs, triangulation
+from v3dcad.geometry.power_diagram.event_queue import STRUTS
+from v3dcad.geometry.power_diagram.grid import STEPS, Grid, curve_order
+from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, motion_of, resumed
+from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, SENTINELS, TRIANGLES
 
 pytestmark = pytest.mark.filterwarnings("error")
 

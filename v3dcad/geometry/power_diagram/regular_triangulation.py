@@ -14,8 +14,9 @@ from numba import njit, types
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED
-from v3dcad.geometry.exact import conflicts
-from v3dcad.geometry.flips import (
+from v3dcad.geometry.power_diagram.grid import STEPS
+from v3dcad.geometry.power_diagram.predicates import conflicts
+from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     FAR,
     FREE,
@@ -31,7 +32,6 @@ from v3dcad.geometry.flips import (
     plan,
     split,
 )
-from v3dcad.geometry.grid import STEPS
 from v3dcad.model import Ints
 
 

@@ -15,8 +15,8 @@ from numba.core.types import NamedTuple as TupleType
 from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.exact import sign_of_sum
-from v3dcad.geometry.flips import ROW, TRIANGLE_ROWS
+from v3dcad.geometry.power_diagram.predicates import sign_of_sum
+from v3dcad.geometry.power_diagram.triangle_mesh import ROW, TRIANGLE_ROWS
 
 NEVER = np.inf
 

@@ -14,7 +14,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
-from v3dcad.geometry.agenda import (
+from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED
+from v3dcad.geometry.power_diagram.event_queue import (
     ALWAYS,
     DUE,
     EVERYTHING,
@@ -32,11 +35,10 @@ from v3dcad.geometry.agenda import (
     push,
     with_log,
 )
-from v3dcad.geometry.compiled.arrays import WORD
-from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED
-from v3dcad.geometry.exact import conflicts
-from v3dcad.geometry.flips import (
+from v3dcad.geometry.power_diagram.grid import HEAVIEST
+from v3dcad.geometry.power_diagram.predicates import conflicts
+from v3dcad.geometry.power_diagram.regular_triangulation import build
+from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     FLIP,
     FLIP_HIDE_SECOND,
@@ -53,8 +55,6 @@ from v3dcad.geometry.flips import (
     plan,
     split,
 )
-from v3dcad.geometry.grid import HEAVIEST
-from v3dcad.geometry.triangulation import build
 from v3dcad.model import Ints
 
 ADVANCED, LOG_FULL, JAMMED = range(3)
