@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tests import oracle
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.cells import cells
+from v3dcad.geometry.clipping.cell_rings import cells
 from v3dcad.model import OUTSIDE, Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections

@@ -10,7 +10,7 @@ from tests import oracle
 from tests.geometry.test_polygon import fault
 from tests.regions import region
 from tests.structure.test_fill import _area, laws
-from v3dcad.geometry.cells import cells
+from v3dcad.geometry.clipping.cell_rings import cells
 from v3dcad.model import Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections

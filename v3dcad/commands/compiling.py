@@ -19,9 +19,9 @@ OURS = (
 """Modules of the engine in the order in which this process loads them, and so compiles what
 numba's cache has not; and"""
 THEIRS = (
-    "v3dcad.geometry.polygon",
-    "v3dcad.geometry.cut",
-    "v3dcad.geometry.graph",
+    "v3dcad.geometry.clipping.ring_validity",
+    "v3dcad.geometry.clipping.update",
+    "v3dcad.geometry.clipping.planar_graph",
     "v3dcad.geometry.tree",
     "v3dcad.geometry.support",
 )

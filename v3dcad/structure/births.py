@@ -18,10 +18,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, types
 
+from v3dcad.geometry.clipping.interior import CUT
 from v3dcad.geometry.compiled.arrays import FLOAT, POINT_ROWS, ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.inside import CUT
 from v3dcad.geometry.power_diagram.event_queue import LAST, MOST, MOTION, NOW
 from v3dcad.geometry.power_diagram.grid import HEAVIEST
 from v3dcad.geometry.power_diagram.kinetic_triangulation import add_point

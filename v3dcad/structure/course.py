@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.inside import CROSSED, VERTICES, cut_with_room, empty_cut
-from v3dcad.geometry.polygon import winding_fault
+from v3dcad.geometry.clipping.interior import CROSSED, VERTICES, cut_with_room, empty_cut
+from v3dcad.geometry.clipping.ring_validity import winding_fault
 from v3dcad.geometry.power_diagram.epochs import FIRST, Epoch
 from v3dcad.geometry.power_diagram.event_queue import ALWAYS, LAST, MOST, STRUTS, with_log
 from v3dcad.geometry.power_diagram.grid import HEAVIEST, UTMOST, Grid

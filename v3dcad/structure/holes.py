@@ -12,10 +12,10 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
+from v3dcad.geometry.clipping.interior import CUT, FRESH, TOO_MANY, VERTICES
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.inside import CUT, FRESH, TOO_MANY, VERTICES
 from v3dcad.geometry.power_diagram.predicates import orientation
 from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, ROW
 

@@ -26,6 +26,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
+from v3dcad.geometry.clipping.ring_walk import EDGE, INTO, SEGMENT, power, walk_rings
 from v3dcad.geometry.compiled.arrays import (
     FLOAT,
     FLOAT_ROWS,
@@ -39,7 +40,6 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL
 from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING
-from v3dcad.geometry.walk import EDGE, INTO, SEGMENT, power, walk_rings
 from v3dcad.model import Floats
 
 MARGIN = 64

@@ -7,10 +7,7 @@ from __future__ import annotations
 
 from numba import types
 
-from v3dcad.geometry.compiled.arrays import INTS, ROWS, WORD
-from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.inside import (
+from v3dcad.geometry.clipping.interior import (
     CROSSED,
     CUT,
     FILLED,
@@ -19,6 +16,11 @@ from v3dcad.geometry.inside import (
     drop_vertices,
     settle_edges,
 )
+from v3dcad.geometry.clipping.ring_walk import INTO
+from v3dcad.geometry.clipping.winding_numbers import UNKNOWN, chain, wind
+from v3dcad.geometry.compiled.arrays import INTS, ROWS, WORD
+from v3dcad.geometry.compiled.linked import linked
+from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, MOTION, TOUCHED
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
@@ -28,8 +30,6 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     TRIANGLES,
     edge_to,
 )
-from v3dcad.geometry.walk import INTO
-from v3dcad.geometry.winding import UNKNOWN, chain, wind
 
 
 @linked(WORD(MESH, CUT, WORD, WORD), **INTERNAL)

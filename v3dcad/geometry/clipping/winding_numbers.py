@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from numba import types
 
+from v3dcad.geometry.clipping.interior import CROSSED, CUT, NONE
+from v3dcad.geometry.clipping.ring_walk import EDGE, WINDING
 from v3dcad.geometry.compiled.arrays import ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.inside import CROSSED, CUT, NONE
 from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH, NOTHING, ROW, edge_to
-from v3dcad.geometry.walk import EDGE, WINDING
 
 UNKNOWN = -(1 << 30)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.oracle import faces, windings
 from tests.regions import region
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.polygon import winding_fault
+from v3dcad.geometry.clipping.ring_validity import winding_fault
 from v3dcad.model import Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
+from v3dcad.geometry.clipping.interior import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.clipping.ring_walk import INTO, SEGMENT, WINDING
 from v3dcad.geometry.compiled.arrays import (
     FLOAT,
     FLOAT_ROWS,
@@ -17,9 +19,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.inside import CROSSED, CUT, VERTICES, WHOLE
 from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH
-from v3dcad.geometry.walk import INTO, SEGMENT, WINDING
 
 
 @linked(
