@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 from scipy.spatial.distance import pdist, squareform
 
-from v3dcad.geometry.kruskal import spanning_tree
+from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.structure.growth import growing
 
 

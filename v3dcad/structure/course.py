@@ -9,6 +9,7 @@ import numpy as np
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.clipping.interior import CROSSED, VERTICES, cut_with_room, empty_cut
 from v3dcad.geometry.clipping.ring_validity import winding_fault
+from v3dcad.geometry.graphs.dynamic_spanning_tree import empty_tree, tree_with_room
 from v3dcad.geometry.power_diagram.epochs import FIRST, Epoch
 from v3dcad.geometry.power_diagram.event_queue import ALWAYS, LAST, MOST, STRUTS, with_log
 from v3dcad.geometry.power_diagram.grid import HEAVIEST, UTMOST, Grid
@@ -21,7 +22,6 @@ from v3dcad.geometry.power_diagram.kinetic_triangulation import (
 )
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
 from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, POINTS, SENTINELS, TRIANGLES
-from v3dcad.geometry.tree import empty_tree, tree_with_room
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.layers import (

@@ -13,7 +13,7 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.facets import Facets, welded_facets
-from v3dcad.geometry.kruskal import spanning_tree
+from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.epochs import FIRST, Epoch
 from v3dcad.geometry.power_diagram.event_queue import ALWAYS
 from v3dcad.geometry.power_diagram.grid import STEPS, UTMOST, Grid, curve_order

@@ -19,10 +19,10 @@ from v3dcad.geometry.clipping.update import count_cells, renew_cut
 from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, INT_ROWS, INTS, ROW, ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED
+from v3dcad.geometry.graphs.dynamic_spanning_tree import TREE, renew_tree, write_tree
 from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, LAST, MOTION, STRUTS, TOUCHED
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance
 from v3dcad.geometry.power_diagram.triangle_mesh import MESH, POINTS
-from v3dcad.geometry.tree import TREE, renew_tree, write_tree
 from v3dcad.structure.births import give_births
 from v3dcad.structure.holes import SHORTLIST
 from v3dcad.structure.rim import RIM

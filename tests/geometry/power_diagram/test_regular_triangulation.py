@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.kruskal import spanning_tree
+from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.event_queue import STRUTS
 from v3dcad.geometry.power_diagram.grid import STEPS, Grid, curve_order
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, motion_of, resumed

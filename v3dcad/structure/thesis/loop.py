@@ -9,7 +9,7 @@ from typing import NoReturn
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.geometry.kruskal import spanning_tree
+from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
 from v3dcad.settings import FillSettings

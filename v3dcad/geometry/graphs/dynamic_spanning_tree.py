@@ -18,7 +18,7 @@ from v3dcad.geometry.clipping.interior import CHANGED, CROSSED, CUT, WHOLE
 from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL
-from v3dcad.geometry.kruskal import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
+from v3dcad.geometry.graphs.spanning_tree import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     MESH,

@@ -1,0 +1,1 @@
+"""Graphs: minimum spanning trees, from scratch and kept up to date, and trails along all edges."""
