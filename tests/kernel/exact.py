@@ -14,9 +14,9 @@ from OCP.TopAbs import TopAbs_REVERSED, TopAbs_VERTEX
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from tests.parts import ring_area
-from v3dcad.geometry.critical import critical_points
-from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surface.critical_points import critical_points
+from v3dcad.geometry.surface.mesh import SurfaceMesh, along_edge
+from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.kernel.shapes import EDGE, FACE, bounds, subshapes
 from v3dcad.model import Floats, Section
 

@@ -15,7 +15,7 @@ import v3dcad
 from tests.kernel import shapes
 from tests.kernel.exact import breaks, closed_volume, exact_area, face_volume, integrated
 from tests.parts import part_file, ring_area
-from v3dcad.geometry.gapes import GAPE
+from v3dcad.geometry.surface.gaps import GAPE
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.part import solid_part
 from v3dcad.kernel.section import section_solids

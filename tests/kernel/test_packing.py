@@ -35,9 +35,9 @@ from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Circ, gp_Dir, gp_Elips, gp_Pnt, gp
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt, TColgp_HArray1OfPnt
 from OCP.TColStd import TColStd_Array1OfReal
 
-from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.splines import MOST_POLES
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surface.curves import curve_at
+from v3dcad.geometry.surface.splines import MOST_POLES
+from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.kernel.packing import Packer
 
 FRAME = gp_Ax2(gp_Pnt(1, 2, 3), gp_Dir(0.3, -0.4, 1), gp_Dir(1, 0.2, 0))

@@ -22,7 +22,7 @@ from tests.kernel.exact import breaks, exact_area, integrated, volume
 from tests.occt_section import section as occt_section
 from tests.parts import ring_area
 from v3dcad.errors import GeometryError, KernelError, SettingError
-from v3dcad.geometry.surface_mesh import turning_points
+from v3dcad.geometry.surface.mesh import turning_points
 from v3dcad.kernel import mesh as kernel_mesh
 from v3dcad.kernel.load import load_step
 from v3dcad.kernel.mesh import surface_mesh

@@ -15,7 +15,7 @@ from OCP.TopAbs import TopAbs_VERTEX
 from OCP.TopoDS import TopoDS
 from one_diagram import GRID, power_diagram
 
-from v3dcad.geometry.contours import contours
+from v3dcad.geometry.surface.contour_curves import contours
 from v3dcad.kernel.wires import layer_trails, layer_wires
 from v3dcad.model import Floats, Layer, Placement, Run, Section, SiteState
 

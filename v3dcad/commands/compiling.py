@@ -27,7 +27,7 @@ THEIRS = (
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
 
-SLICING = ("v3dcad.geometry.surface_section", "v3dcad.geometry.gapes")
+SLICING = ("v3dcad.geometry.surface.section", "v3dcad.geometry.surface.gaps")
 """What it then compiles: for the sections of a STEP part, which come after the engine is loaded."""
 
 

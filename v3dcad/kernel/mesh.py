@@ -34,14 +34,14 @@ from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError
-from v3dcad.geometry.critical import critical_points
-from v3dcad.geometry.curves import curve_points
-from v3dcad.geometry.gapes import GAPE
 from v3dcad.geometry.mesh_section import pair_sides
-from v3dcad.geometry.poles import with_meridians
-from v3dcad.geometry.surface_mesh import SurfaceMesh
-from v3dcad.geometry.surface_refining import refined
-from v3dcad.geometry.surfaces import surface_points
+from v3dcad.geometry.surface.critical_points import critical_points
+from v3dcad.geometry.surface.curves import curve_points
+from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.mesh import SurfaceMesh
+from v3dcad.geometry.surface.poles import with_meridians
+from v3dcad.geometry.surface.refinement import refined
+from v3dcad.geometry.surface.surfaces import surface_points
 from v3dcad.kernel.packing import Packer
 from v3dcad.model import Ints, Mesh
 

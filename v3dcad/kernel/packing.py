@@ -27,7 +27,7 @@ from OCP.GeomAdaptor import GeomAdaptor_Curve, GeomAdaptor_Surface
 from OCP.GeomConvert import GeomConvert
 
 from v3dcad.errors import KernelError
-from v3dcad.geometry import curves, surfaces
+from v3dcad.geometry.surface import curves, surfaces
 from v3dcad.model import Floats
 
 

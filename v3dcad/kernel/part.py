@@ -19,10 +19,10 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError, SettingError
-from v3dcad.geometry.gapes import GAPE
-from v3dcad.geometry.surface_ends import exact_ends
-from v3dcad.geometry.surface_mesh import SurfaceMesh
-from v3dcad.geometry.surface_section import CHORD_TOLERANCE
+from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.mesh import SurfaceMesh
+from v3dcad.geometry.surface.section import CHORD_TOLERANCE
+from v3dcad.geometry.surface.wall_ends import exact_ends
 from v3dcad.kernel.mesh import surface_mesh, triangle_mesh
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import (

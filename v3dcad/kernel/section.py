@@ -7,8 +7,8 @@ from concurrent.futures import Executor
 
 from OCP.TopoDS import TopoDS_Shape
 
-from v3dcad.geometry.surface_mesh import SurfaceMesh
-from v3dcad.geometry.surface_section import CHORD_TOLERANCE, section_surface
+from v3dcad.geometry.surface.mesh import SurfaceMesh
+from v3dcad.geometry.surface.section import CHORD_TOLERANCE, section_surface
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.model import Floats, Section
 

@@ -7,7 +7,7 @@ from OCP.BRepPrimAPI import BRepPrimAPI_MakeSphere, BRepPrimAPI_MakeTorus
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
 from OCP.TopoDS import TopoDS, TopoDS_Compound
 
-from v3dcad.geometry.gapes import GAPE
+from v3dcad.geometry.surface.gaps import GAPE
 from v3dcad.kernel.shapes import EDGE, compound, subshapes
 
 

@@ -14,8 +14,8 @@ from OCP.gp import gp_Pnt
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 
-from v3dcad.geometry.contours import Stretch, contours
 from v3dcad.geometry.graphs.trails import trails
+from v3dcad.geometry.surface.contour_curves import Stretch, contours
 from v3dcad.kernel.curves import TOLERANCE, hit, polyline, run_curve, span
 from v3dcad.kernel.shapes import compound, location
 from v3dcad.model import Floats, Ints, Layer, Placement

@@ -24,8 +24,8 @@ from numba import njit, types
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
-from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
+from v3dcad.geometry.surface.curves import curve_at
+from v3dcad.geometry.surface.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
 
 (
     PLANE,

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from v3dcad.geometry.surface_mesh import SurfaceMesh
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surface.mesh import SurfaceMesh
+from v3dcad.geometry.surface.surfaces import surface_at
 
 
 def with_meridians(mesh: SurfaceMesh, poles: NDArray[np.bool_]) -> SurfaceMesh:

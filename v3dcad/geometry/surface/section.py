@@ -15,9 +15,6 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.compiled.options import COMPILED
-from v3dcad.geometry.conics import POINTS, conic_at
-from v3dcad.geometry.curves import LINE
-from v3dcad.geometry.gapes import mended
 from v3dcad.geometry.mesh_section import (
     SNAP,
     MeshEdges,
@@ -26,8 +23,11 @@ from v3dcad.geometry.mesh_section import (
     cross_planes,
     shares,
 )
-from v3dcad.geometry.surface_mesh import SurfaceMesh, along_edge
-from v3dcad.geometry.surface_trace import trace
+from v3dcad.geometry.surface.conics import POINTS, conic_at
+from v3dcad.geometry.surface.curves import LINE
+from v3dcad.geometry.surface.gaps import mended
+from v3dcad.geometry.surface.level_curves import trace
+from v3dcad.geometry.surface.mesh import SurfaceMesh, along_edge
 from v3dcad.model import Floats, Ints, Mesh, Run, Section
 from v3dcad.settings import SectionSettings
 

@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
-from v3dcad.geometry.surface_mesh import SurfaceMesh, depth
-from v3dcad.geometry.surfaces import CONE, SPHERE, TORUS, height_at
+from v3dcad.geometry.surface.mesh import SurfaceMesh, depth
+from v3dcad.geometry.surface.surfaces import CONE, SPHERE, TORUS, height_at
 from v3dcad.model import Floats, Ints
 
 MOST_IN_ONE = 4

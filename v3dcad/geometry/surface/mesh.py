@@ -22,9 +22,9 @@ from numba import njit, types
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
-from v3dcad.geometry.curves import LINE, curve_at
-from v3dcad.geometry.splines import FLOAT, HEAP
-from v3dcad.geometry.surfaces import PLANE, height_at, surface_at
+from v3dcad.geometry.surface.curves import LINE, curve_at
+from v3dcad.geometry.surface.splines import FLOAT, HEAP
+from v3dcad.geometry.surface.surfaces import PLANE, height_at, surface_at
 from v3dcad.model import Floats, Ints, Value
 
 NEGLIGIBLE = 1e-10

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
-from v3dcad.geometry.curves import curve_at
-from v3dcad.geometry.surface_mesh import SurfaceMesh, depth, project, turning_point, turning_points
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surface.curves import curve_at
+from v3dcad.geometry.surface.mesh import SurfaceMesh, depth, project, turning_point, turning_points
+from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.model import Floats, Ints
 
 MOST_SPLITS = 64

@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
-from v3dcad.geometry.contours import Stretch, contours
-from v3dcad.geometry.surface_mesh import SurfaceMesh, project
-from v3dcad.geometry.surfaces import surface_at
+from v3dcad.geometry.surface.contour_curves import Stretch, contours
+from v3dcad.geometry.surface.mesh import SurfaceMesh, project
+from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.model import Floats, Layer, Run, Section
 
 STARTS = 6

@@ -8,8 +8,8 @@ from numba import types
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.splines import FLOAT, HEAP
-from v3dcad.geometry.surfaces import CONE, CYLINDER, PLANE, REVOLUTION, SPHERE, TORUS
+from v3dcad.geometry.surface.splines import FLOAT, HEAP
+from v3dcad.geometry.surface.surfaces import CONE, CYLINDER, PLANE, REVOLUTION, SPHERE, TORUS
 
 POINTS, LINES, CIRCLE, ELLIPSE = range(4)
 
