@@ -25,7 +25,7 @@ from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
 
 from tests.kernel import shapes
 from tests.parts import read_stl
-from v3dcad.geometry.mesh_section import mesh_edges, section_mesh
+from v3dcad.geometry.mesh.section import mesh_edges, section_mesh
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import FACE, subshapes

@@ -19,7 +19,7 @@ from OCP.TopoDS import TopoDS_Shape
 import v3dcad
 from v3dcad import KernelError, SettingError, Structure
 from v3dcad.geometry.convex import inset_cells
-from v3dcad.geometry.mesh_union import mesh_volume
+from v3dcad.geometry.mesh.boolean import mesh_volume
 
 SETTINGS = {"sites": 12, "layer_height": 1.0, "offset": 0.3}
 

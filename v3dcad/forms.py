@@ -127,7 +127,7 @@ class Forms:
         They reach over the part's surface unless they are `cut` to the part.
         """
         from v3dcad.geometry.bars import bar_mesh
-        from v3dcad.geometry.mesh_union import intersected
+        from v3dcad.geometry.mesh.boolean import intersected
 
         mesh = bar_mesh(*self._axes(diameter), diameter)
         return intersected(mesh, self._at_source(self.part.mesh())) if cut else mesh
@@ -135,7 +135,7 @@ class Forms:
     def solid_mesh(self, thickness: float) -> Mesh:
         """The part with walls of a thickness as a closed mesh; of triangles too."""
         from v3dcad.geometry.convex import hollows
-        from v3dcad.geometry.mesh_union import subtracted
+        from v3dcad.geometry.mesh.boolean import subtracted
 
         low, high = self.part.bounds
         hollow = hollows(self.facets(), thickness, low - 1.0, high + 1.0)

@@ -65,7 +65,7 @@ class MeshPart:
         executor: Executor | None = None,
     ) -> Sequence[Section]:
         """Sections of the triangles at ascending heights (mm); their chords are exact."""
-        from v3dcad.geometry.mesh_section import section_mesh
+        from v3dcad.geometry.mesh.section import section_mesh
 
         return section_mesh(self.surface, heights, executor)
 
@@ -124,7 +124,7 @@ def _mesh_part(
     name: str, mesh: Mesh, repair: bool, read: Sequence[str] = (), where: str = "the mesh"
 ) -> MeshPart:
     """A mesh as a part, once it is known to be closed; `GeometryError` where it is not."""
-    from v3dcad.geometry.mesh_check import checked_mesh
+    from v3dcad.geometry.mesh.check import checked_mesh
 
     try:
         closed, mended = checked_mesh(mesh, repair=repair)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from v3dcad.errors import FormatError
-from v3dcad.geometry.mesh_holes import patch
+from v3dcad.geometry.mesh.holes import patch
 from v3dcad.model import Floats, Mesh
 
 FREE_FORM = {b"curv", b"curv2", b"surf"}

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from manifold3d import CrossSection, FillRule, Manifold
 
-from v3dcad.geometry.mesh_union import united
+from v3dcad.geometry.mesh.boolean import united
 from v3dcad.model import Floats, Ints, Layer, Mesh
 from v3dcad.settings import check_size
 

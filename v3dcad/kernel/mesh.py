@@ -34,7 +34,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError
-from v3dcad.geometry.mesh_section import pair_sides
+from v3dcad.geometry.mesh.section import pair_sides
 from v3dcad.geometry.surface.critical_points import critical_points
 from v3dcad.geometry.surface.curves import curve_points
 from v3dcad.geometry.surface.gaps import GAPE

@@ -22,7 +22,7 @@ from OCP.TopoDS import (
 )
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.mesh_bodies import bodies_of, containers, signed_volumes
+from v3dcad.geometry.mesh.bodies import bodies_of, containers, signed_volumes
 from v3dcad.kernel.part import SolidPart, solid_part
 from v3dcad.kernel.shapes import FACE, compound, subshapes
 from v3dcad.model import Floats, Ints, Mesh

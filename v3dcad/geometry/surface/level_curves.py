@@ -8,7 +8,7 @@ from numba import njit, types
 from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
-from v3dcad.geometry.mesh_section import SNAP, is_thin
+from v3dcad.geometry.mesh.section import SNAP, is_thin
 from v3dcad.geometry.surface.conics import CIRCLE, ELLIPSE, LINES, conic_at
 from v3dcad.geometry.surface.splines import FLOAT, HEAP, ROWS
 from v3dcad.geometry.surface.surfaces import surface_at

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.geometry.compiled.options import COMPILED
-from v3dcad.geometry.mesh_section import (
+from v3dcad.geometry.mesh.section import (
     SNAP,
     MeshEdges,
     at_base,

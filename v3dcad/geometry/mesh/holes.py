@@ -13,7 +13,7 @@ from numba import njit
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.options import COMPILED
-from v3dcad.geometry.mesh_bodies import arm, sides_of
+from v3dcad.geometry.mesh.bodies import arm, sides_of
 from v3dcad.model import Floats, Ints
 
 LONGEST_RIM = 1000

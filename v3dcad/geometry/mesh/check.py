@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.mesh_bodies import (
+from v3dcad.geometry.mesh.bodies import (
     bodies_of,
     body_bounds,
     containers,
@@ -13,8 +13,8 @@ from v3dcad.geometry.mesh_bodies import (
     signed_volumes,
     wound_alike,
 )
-from v3dcad.geometry.mesh_holes import patch, rims_of
-from v3dcad.geometry.mesh_section import mesh_edges
+from v3dcad.geometry.mesh.holes import patch, rims_of
+from v3dcad.geometry.mesh.section import mesh_edges
 from v3dcad.model import Floats, Ints, Mesh
 
 

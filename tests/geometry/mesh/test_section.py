@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from tests.parts import read_stl, ring_area
 from v3dcad.errors import GeometryError
-from v3dcad.geometry import mesh_section
-from v3dcad.geometry.mesh_section import mesh_edges, section_mesh
+from v3dcad.geometry.mesh import section as mesh_section
+from v3dcad.geometry.mesh.section import mesh_edges, section_mesh
 from v3dcad.model import Mesh
 
 

@@ -1,0 +1,1 @@
+"""Triangle meshes: sections by planes, checks, separate bodies, holes, booleans."""
