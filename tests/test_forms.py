@@ -18,8 +18,8 @@ from OCP.TopoDS import TopoDS_Shape
 
 import v3dcad
 from v3dcad import KernelError, SettingError, Structure
-from v3dcad.geometry.convex import inset_cells
 from v3dcad.geometry.mesh.boolean import mesh_volume
+from v3dcad.geometry.solid.convex_cells import inset_cells
 
 SETTINGS = {"sites": 12, "layer_height": 1.0, "offset": 0.3}
 

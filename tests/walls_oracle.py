@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from v3dcad.geometry.facets import Facets, welded_facets
+from v3dcad.geometry.solid.facets import Facets, welded_facets
 from v3dcad.model import Floats
 
 Key = tuple[int, ...]

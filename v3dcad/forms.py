@@ -17,7 +17,7 @@ from v3dcad.files import written_beside
 from v3dcad.model import Floats, Ints, Layer, Mesh, Part, Placement
 
 if TYPE_CHECKING:
-    from v3dcad.geometry.facets import Facets
+    from v3dcad.geometry.solid.facets import Facets
     from v3dcad.kernel.step import Named
 
 FORMS = ("wires", "faces", "cells", "solid", "struts", "beads")
@@ -126,16 +126,16 @@ class Forms:
 
         They reach over the part's surface unless they are `cut` to the part.
         """
-        from v3dcad.geometry.bars import bar_mesh
         from v3dcad.geometry.mesh.boolean import intersected
+        from v3dcad.geometry.solid.bar_meshes import bar_mesh
 
         mesh = bar_mesh(*self._axes(diameter), diameter)
         return intersected(mesh, self._at_source(self.part.mesh())) if cut else mesh
 
     def solid_mesh(self, thickness: float) -> Mesh:
         """The part with walls of a thickness as a closed mesh; of triangles too."""
-        from v3dcad.geometry.convex import hollows
         from v3dcad.geometry.mesh.boolean import subtracted
+        from v3dcad.geometry.solid.convex_cells import hollows
 
         low, high = self.part.bounds
         hollow = hollows(self.facets(), thickness, low - 1.0, high + 1.0)
@@ -143,7 +143,7 @@ class Forms:
 
     def bead_mesh(self, width: float) -> Mesh:
         """What is printed, the beads of all layers united, as a closed mesh."""
-        from v3dcad.geometry.bars import bead_mesh
+        from v3dcad.geometry.solid.bar_meshes import bead_mesh
 
         return self._at_source(bead_mesh(self.layers, width, self.settings.layer_height))
 
@@ -201,7 +201,7 @@ class Forms:
         united first).
         """
         from v3dcad.formats.threemf import write_beams, write_mesh
-        from v3dcad.geometry.bars import bar_mesh
+        from v3dcad.geometry.solid.bar_meshes import bar_mesh
 
         with written_beside(Path(path)) as beside:
             if form != "beams":
@@ -246,7 +246,7 @@ class Forms:
         return [Named(form, getattr(self, form)(**sizes), TEAL)]
 
     def _mesh(self, form: str, sizes: dict[str, Any]) -> Mesh:
-        from v3dcad.geometry.bars import wall_strips
+        from v3dcad.geometry.solid.bar_meshes import wall_strips
 
         if form == "walls":
             _only(sizes, form)
@@ -274,7 +274,7 @@ class Forms:
 
         Warns how many cells a diameter, mm, closes up.
         """
-        from v3dcad.geometry.convex import check_diameter
+        from v3dcad.geometry.solid.convex_cells import check_diameter
 
         facets, (low, high) = self.facets(), self.part.bounds
         check_diameter(facets, diameter, low - 1.0, high + 1.0)

@@ -33,7 +33,7 @@ from v3dcad.structure.walls import StrutAxes, Walls
 from v3dcad.version import VERSION
 
 if TYPE_CHECKING:
-    from v3dcad.geometry.facets import Facets
+    from v3dcad.geometry.solid.facets import Facets
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -36,8 +36,8 @@ from walls_oracle import power_walls
 import v3dcad
 from tests.kernel.exact import breaks, exact_area, integrated
 from v3dcad.errors import KernelError, SettingError
-from v3dcad.geometry.convex import inset_cells
-from v3dcad.geometry.facets import Facets, welded_facets
+from v3dcad.geometry.solid.convex_cells import inset_cells
+from v3dcad.geometry.solid.facets import Facets, welded_facets
 from v3dcad.kernel.booleans import split
 from v3dcad.kernel.cells import cut_cells, cut_walls, thick_walls
 from v3dcad.kernel.mesh import surface_mesh

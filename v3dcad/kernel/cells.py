@@ -12,8 +12,8 @@ from OCP.GeomAbs import GeomAbs_Intersection
 from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Shell, TopoDS_Solid
 
 from v3dcad.errors import KernelError
-from v3dcad.geometry.convex import hollows
-from v3dcad.geometry.facets import Facets
+from v3dcad.geometry.solid.convex_cells import hollows
+from v3dcad.geometry.solid.facets import Facets
 from v3dcad.kernel.booleans import common, cut, split
 from v3dcad.kernel.plane_faces import connected_shells, convex_solid, wall_faces
 from v3dcad.kernel.shapes import (

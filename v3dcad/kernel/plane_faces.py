@@ -27,8 +27,8 @@ from OCP.TopTools import TopTools_IndexedMapOfShape
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from v3dcad.geometry.convex import Polyhedron
-from v3dcad.geometry.facets import Facets
+from v3dcad.geometry.solid.convex_cells import Polyhedron
+from v3dcad.geometry.solid.facets import Facets
 from v3dcad.kernel.shapes import EDGE, subshapes
 from v3dcad.model import Floats
 

@@ -11,8 +11,8 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 
 from v3dcad.errors import KernelError
-from v3dcad.geometry.bars import bar_mesh
 from v3dcad.geometry.mesh.boolean import manifold, mesh_volume
+from v3dcad.geometry.solid.bar_meshes import bar_mesh
 from v3dcad.kernel.booleans import common, fused
 from v3dcad.kernel.mesh import triangle_mesh
 from v3dcad.kernel.shapes import SOLID, area, subshapes, volume

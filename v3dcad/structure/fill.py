@@ -12,13 +12,13 @@ from functools import cached_property
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.facets import Facets, welded_facets
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.epochs import FIRST, Epoch
 from v3dcad.geometry.power_diagram.event_queue import ALWAYS
 from v3dcad.geometry.power_diagram.grid import STEPS, UTMOST, Grid, curve_order
 from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
 from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.solid.facets import Facets, welded_facets
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import Course, times_of

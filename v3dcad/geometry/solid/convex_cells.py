@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.geometry.facets import Facets
+from v3dcad.geometry.solid.facets import Facets
 from v3dcad.model import Floats, Ints, Mesh
 from v3dcad.settings import check_size
 

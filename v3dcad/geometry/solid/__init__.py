@@ -1,0 +1,1 @@
+"""Solids from walls and struts: facets with shared corners, convex cells, bar meshes."""
