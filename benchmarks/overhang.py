@@ -15,7 +15,7 @@ import shapely
 
 from benchmarks.engine import CASES, sections
 from v3dcad import FillSettings, fill_sections
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.overhang import overhang
 

@@ -17,7 +17,7 @@ from v3dcad import FillSettings, FormatError, SettingError, ont
 from v3dcad.errors import KernelError
 from v3dcad.formats.ont import ont_text
 from v3dcad.model import Brep, Mesh
-from v3dcad.structure.place import on_bed
+from v3dcad.structure.placement import on_bed
 
 SAMPLES = ["bracket.step", "cone.step", "islands.step", "pyramid.step", "pyramid.stl"]
 SHARED = ["bunny.stl", "nist_ftc_11_asme1_rb.stp"]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import v3dcad
 from tests.parts import part_file, ring_area
-from v3dcad.structure.place import turned, upward
+from v3dcad.structure.placement import turned, upward
 
 ANGLES = st.floats(-400, 400)
 

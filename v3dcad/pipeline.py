@@ -25,7 +25,7 @@ from v3dcad.structure.density import density
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
-from v3dcad.structure.place import layer_heights, on_bed
+from v3dcad.structure.placement import layer_heights, on_bed
 from v3dcad.structure.properties import Properties, properties
 from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.thesis.loop import ThesisFilling

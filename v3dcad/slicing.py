@@ -15,7 +15,7 @@ from v3dcad.files import written_beside
 from v3dcad.model import Floats, Part, Placement, Section
 from v3dcad.parts import part_from
 from v3dcad.settings import SectionSettings
-from v3dcad.structure.place import layer_heights, on_bed, turned, upward
+from v3dcad.structure.placement import layer_heights, on_bed, turned, upward
 
 BATCH = 256
 """Sections computed at a time when all are gone through."""

@@ -10,7 +10,7 @@ from parts import part_file
 from v3dcad.errors import KernelError
 from v3dcad.model import Brep, Placement
 from v3dcad.parts import part_from
-from v3dcad.structure.place import on_bed
+from v3dcad.structure.placement import on_bed
 
 MADE = ["bracket.step", "cone.step", "islands.step", "pyramid.step"]
 SHARED = ["nist_ctc_01_asme1_rd.stp", "nist_ftc_11_asme1_rb.stp"]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from v3dcad import FillSettings, Section, fill_sections
 from v3dcad.errors import GeometryError, SettingError
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.growth import largest_offset
 from v3dcad.structure.overhang import overhang

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from v3dcad import FillSettings, Section, SettingError, fill_sections
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.structure.properties import properties
 
 SQUARE = np.array([[0.0, 0], [20, 0], [20, 10], [0, 10]])

@@ -6,7 +6,7 @@ from diagrams import stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from v3dcad.geometry.motion import move_seconds
+from v3dcad.geometry.print_time import move_seconds
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.estimate import estimate

@@ -9,7 +9,7 @@ from diagrams import area_of, disc, layer, scattered, square
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import CELLS, PERIMETER, Floats, Section
 from v3dcad.toolpath.graph import (
     PathGraph,

@@ -5,7 +5,7 @@ import pytest
 import shapely
 from diagrams import disc, square
 
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Section
 from v3dcad.toolpath.travel import Traveller
 

@@ -14,7 +14,7 @@ OURS = (
     "v3dcad.structure.births",
     "v3dcad.structure.layers",
     "v3dcad.structure.fill",
-    "v3dcad.geometry.support",
+    "v3dcad.structure.wall_distance",
 )
 """Modules of the engine in the order in which this process loads them, and so compiles what
 numba's cache has not; and"""
@@ -23,7 +23,7 @@ THEIRS = (
     "v3dcad.geometry.clipping.update",
     "v3dcad.geometry.clipping.planar_graph",
     "v3dcad.geometry.graphs.dynamic_spanning_tree",
-    "v3dcad.geometry.support",
+    "v3dcad.structure.wall_distance",
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
 

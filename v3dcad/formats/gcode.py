@@ -17,7 +17,7 @@ from v3dcad.errors import SettingError
 from v3dcad.formats.gcode_blocks import Totals, ending, heading
 from v3dcad.formats.gcode_lines import rendered
 from v3dcad.formats.gcode_moves import MoveWriter, origin
-from v3dcad.geometry.motion import step_seconds
+from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import (
     BRIM,
     CELLS,

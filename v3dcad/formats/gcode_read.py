@@ -13,7 +13,7 @@ from typing import TextIO
 import numpy as np
 
 from v3dcad.errors import FormatError
-from v3dcad.geometry.motion import move_seconds
+from v3dcad.geometry.print_time import move_seconds
 from v3dcad.settings import PrintSettings
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*")

@@ -13,7 +13,7 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState
-from v3dcad.structure.layer_sequence import LayerSequence
+from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.thesis.cells import corner_signatures, rings
 from v3dcad.structure.thesis.loop import ThesisFilling
 

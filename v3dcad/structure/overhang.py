@@ -15,9 +15,9 @@ import shapely
 
 from v3dcad.geometry.power_diagram.grid import Grid, curve_order
 from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
-from v3dcad.geometry.regions import contour_lines, section_area
-from v3dcad.geometry.support import distance_to_walls
+from v3dcad.geometry.section_area import contour_lines, section_area
 from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.structure.wall_distance import distance_to_walls
 
 SLACK = 0.01
 """Relative excess of the bound over the true greatest distance."""

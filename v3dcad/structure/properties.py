@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 from v3dcad.errors import SettingError
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer, Value
 
 ARC = 64

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.regions import section_area
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     EXTRUDE,
     NOTHING,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from v3dcad.geometry.motion import step_seconds
+from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import Toolpath
 from v3dcad.settings import PrintSettings
 

@@ -15,7 +15,7 @@ from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
 from v3dcad.settings import FillSettings
 from v3dcad.structure.course import refuse_faults
 from v3dcad.structure.growth import growing, settled_offset
-from v3dcad.structure.layer_sequence import LayerSequence
+from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.overhang import all_neighbours
 from v3dcad.structure.rings import rings_of
 from v3dcad.structure.single import Engine, diagrams_on

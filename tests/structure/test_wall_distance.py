@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracle import power_diagram, power_edges
 
-from v3dcad.geometry.support import distance_to_walls
+from v3dcad.structure.wall_distance import distance_to_walls
 
 
 def test_two_cells_worked_by_hand() -> None:

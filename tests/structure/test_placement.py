@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from v3dcad.errors import SettingError
 from v3dcad.model import Placement
-from v3dcad.structure.place import layer_heights, on_bed
+from v3dcad.structure.placement import layer_heights, on_bed
 
 numbers = st.floats(-1e4, 1e4, allow_subnormal=False)
 
