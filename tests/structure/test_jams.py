@@ -7,8 +7,8 @@ import pytest
 
 from v3dcad import FillSettings, Section, fill_sections
 from v3dcad.model import Floats, Layer
-from v3dcad.structure import course
-from v3dcad.structure.layers import (
+from v3dcad.structure.sweep import kinetic_sweep as course
+from v3dcad.structure.sweep.layer_loop import (
     DONE,
     JAMMED,
     LAYERS,

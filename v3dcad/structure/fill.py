@@ -21,11 +21,11 @@ from v3dcad.geometry.section_area import section_area
 from v3dcad.geometry.solid.facets import Facets, welded_facets
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
-from v3dcad.structure.course import Course, times_of
 from v3dcad.structure.growth import PACE, growing, rounded_down, settled_offset
 from v3dcad.structure.lazy_layers import LayerSequence
+from v3dcad.structure.sweep.growing_sites import Timed
+from v3dcad.structure.sweep.kinetic_sweep import Course, times_of
 from v3dcad.structure.thesis.loop import ThesisFilling
-from v3dcad.structure.timed import Timed
 from v3dcad.structure.walls import StrutAxes, Tracks, Walls, strut_axes, walls
 
 AT_ONCE = 256

@@ -12,7 +12,7 @@ import shapely
 from v3dcad import FillSettings, Section, fill_sections
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Diagram, Floats
-from v3dcad.structure.single import diagrams_on
+from v3dcad.structure.sweep.one_layer import diagrams_on
 from v3dcad.structure.thesis.cells import area, corner_count, is_convex, rings
 from v3dcad.structure.thesis.loop import ThesisFilling, ThesisLayer
 

@@ -13,12 +13,12 @@ from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
 from v3dcad.settings import FillSettings
-from v3dcad.structure.course import refuse_faults
 from v3dcad.structure.growth import growing, settled_offset
 from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.overhang import all_neighbours
-from v3dcad.structure.rings import rings_of
-from v3dcad.structure.single import Engine, diagrams_on
+from v3dcad.structure.sweep.kinetic_sweep import refuse_faults
+from v3dcad.structure.sweep.one_layer import Engine, diagrams_on
+from v3dcad.structure.sweep.ring_arrays import rings_of
 from v3dcad.structure.thesis.cells import present, rings
 from v3dcad.structure.thesis.insert import inserted, shared_vertex
 from v3dcad.structure.thesis.inset import STEP, inset

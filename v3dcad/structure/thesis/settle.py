@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from v3dcad.model import Diagram, Section
-from v3dcad.structure.single import Engine
+from v3dcad.structure.sweep.one_layer import Engine
 from v3dcad.structure.thesis.cells import corner_count, present
 from v3dcad.structure.thesis.state import SHRINKS, State
 

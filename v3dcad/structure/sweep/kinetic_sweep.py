@@ -24,7 +24,10 @@ from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
 from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, POINTS, SENTINELS, TRIANGLES
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.holes import no_shortlist
-from v3dcad.structure.layers import (
+from v3dcad.structure.rim import rim_of
+from v3dcad.structure.spacing import no_squares
+from v3dcad.structure.sweep.growing_sites import SiteStates, Timed
+from v3dcad.structure.sweep.layer_loop import (
     JAMMED,
     LAYERS,
     NEEDS_ROOM,
@@ -38,10 +41,7 @@ from v3dcad.structure.layers import (
     run,
     walks,
 )
-from v3dcad.structure.rim import rim_of
-from v3dcad.structure.rings import Rings, rings_of
-from v3dcad.structure.spacing import no_squares
-from v3dcad.structure.timed import SiteStates, Timed
+from v3dcad.structure.sweep.ring_arrays import Rings, rings_of
 from v3dcad.structure.walls import Tracks, joined
 
 

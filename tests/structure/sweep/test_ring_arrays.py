@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from v3dcad import Section
 from v3dcad.geometry.power_diagram.grid import Grid
-from v3dcad.structure.rings import HAIR, Rings, rings_of
+from v3dcad.structure.sweep.ring_arrays import HAIR, Rings, rings_of
 
 SQUARE = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
 HOLE = np.array([[1.0, 1], [1, 2], [2, 2]])

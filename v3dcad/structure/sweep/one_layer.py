@@ -9,8 +9,8 @@ import numpy as np
 from v3dcad.geometry.power_diagram.event_queue import ALWAYS
 from v3dcad.geometry.power_diagram.grid import Grid, curve_order
 from v3dcad.model import Diagram, Floats, Section
-from v3dcad.structure.course import Course
-from v3dcad.structure.timed import Timed
+from v3dcad.structure.sweep.growing_sites import Timed
+from v3dcad.structure.sweep.kinetic_sweep import Course
 
 Engine = Callable[[Floats, Floats, Section], Diagram]
 """(sites (n, 2) mm, weights (n,) mm², section) → their power diagram inside the section."""

@@ -26,8 +26,8 @@ from v3dcad.geometry.power_diagram.triangle_mesh import MESH, POINTS
 from v3dcad.structure.births import give_births
 from v3dcad.structure.holes import SHORTLIST
 from v3dcad.structure.rim import RIM
-from v3dcad.structure.rings import RINGS
 from v3dcad.structure.spacing import SQUARES
+from v3dcad.structure.sweep.ring_arrays import RINGS
 
 DONE, NEEDS_ROOM, JAMMED, EPOCH_OVER, OPEN_WALK, PAGES_FULL, WALKS_FULL = range(7)
 """How a run ended: after its last layer, for want of room or with a jam (as `advance` says), before
