@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from v3dcad.formats.gcode import write_gcode
+from v3dcad.formats.gcode.writer import write_gcode
 from v3dcad.model import EXTRUDE, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 

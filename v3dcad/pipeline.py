@@ -157,7 +157,7 @@ class Structure(Forms):
 
         Raises `SettingError` where the part is larger than the printer.
         """
-        from v3dcad.formats.gcode import check_fits, write_gcode
+        from v3dcad.formats.gcode.writer import check_fits, write_gcode
         from v3dcad.toolpath.beads import trace
         from v3dcad.toolpath.report import LayerReport, findings
 

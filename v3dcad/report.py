@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from v3dcad.formats.gcode_blocks import Totals
+from v3dcad.formats.gcode.blocks import Totals
 from v3dcad.model import Layer, Part
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import Filling

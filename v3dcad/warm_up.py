@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from v3dcad.formats.gcode_read import read_gcode
+from v3dcad.formats.gcode.reader import read_gcode
 from v3dcad.parts import part_from
 from v3dcad.pipeline import fill
 

@@ -128,7 +128,7 @@ def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSetti
     """What a profile says, unless an option says otherwise."""
     known: dict[str, Any] = {}
     if profile is not None:
-        from v3dcad.formats.profile import read_profile
+        from v3dcad.formats.gcode.machine_profile import read_profile
 
         known = read_profile(profile)
     return PrintSettings(**{**known, **given(PrintSettings, settings)})

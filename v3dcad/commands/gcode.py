@@ -29,7 +29,7 @@ def info(
 ) -> None:
     """Tell bounds, lengths, time, filament and layers of a G-code file."""
     tell_of_compiling()
-    from v3dcad.formats.gcode_read import read_gcode
+    from v3dcad.formats.gcode.reader import read_gcode
     from v3dcad.parts import check_readable
 
     check_readable(file)
@@ -52,7 +52,7 @@ def template(
 ) -> None:
     """Make a machine profile of an example file's header and footer (thesis, Algorithm 12)."""
     from v3dcad.files import written_beside
-    from v3dcad.formats.nc_template import read_template, template_profile
+    from v3dcad.formats.gcode.template import read_template, template_profile
     from v3dcad.parts import check_readable
 
     check_readable(example)
@@ -71,8 +71,8 @@ def adjust(
 ) -> None:
     """Take out large Z hops and still moves (thesis, Algorithm 13)."""
     from v3dcad.files import written_beside
-    from v3dcad.formats.nc_adjust import Adjusted
-    from v3dcad.formats.nc_adjust import adjust as adjusted
+    from v3dcad.formats.gcode.path_adjustment import Adjusted
+    from v3dcad.formats.gcode.path_adjustment import adjust as adjusted
     from v3dcad.parts import check_readable
 
     check_readable(source)

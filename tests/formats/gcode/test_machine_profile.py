@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.profile import profile_names, profile_text, read_profile
+from v3dcad.formats.gcode.machine_profile import profile_names, profile_text, read_profile
 from v3dcad.settings import PrintSettings
 
 

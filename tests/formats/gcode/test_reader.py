@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.gcode_read import Summary, read_gcode
+from v3dcad.formats.gcode.reader import Summary, read_gcode
 from v3dcad.settings import PrintSettings
 
 

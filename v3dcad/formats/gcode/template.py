@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.profile import profile_text
+from v3dcad.formats.gcode.machine_profile import profile_text
 
 MOST_BYTES = 500_000_000
 MOVE = re.compile(r"G0*[123](?!\d)(?=.*[XY])", re.I)

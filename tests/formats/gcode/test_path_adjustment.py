@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.nc_adjust import Adjusted, adjust
+from v3dcad.formats.gcode.path_adjustment import Adjusted, adjust
 
 FIGURE_3_26 = """\
 G92 E0

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.gcode_blocks import Totals, filled
-from v3dcad.formats.nc_template import Template, read_template, template_profile
-from v3dcad.formats.profile import read_profile
+from v3dcad.formats.gcode.blocks import Totals, filled
+from v3dcad.formats.gcode.machine_profile import read_profile
+from v3dcad.formats.gcode.template import Template, read_template, template_profile
 from v3dcad.settings import PrintSettings
 
 HEADER = "G28 ; home\nM109 S200\n"

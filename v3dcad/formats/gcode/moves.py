@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode_lines import CENTRE, COLUMNS, PLACE, E, F, Lines
+from v3dcad.formats.gcode.lines import CENTRE, COLUMNS, PLACE, E, F, Lines
 from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, UNRETRACT, Floats, Ints, Toolpath
 from v3dcad.settings import PrintSettings
 

@@ -14,9 +14,9 @@ from typing import IO, TextIO
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode_blocks import Totals, ending, heading
-from v3dcad.formats.gcode_lines import rendered
-from v3dcad.formats.gcode_moves import MoveWriter, origin
+from v3dcad.formats.gcode.blocks import Totals, ending, heading
+from v3dcad.formats.gcode.lines import rendered
+from v3dcad.formats.gcode.moves import MoveWriter, origin
 from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import (
     BRIM,

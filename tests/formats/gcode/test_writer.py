@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from simulated_printer import Printer
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode import Totals, check_fits, write_gcode
-from v3dcad.formats.gcode_blocks import spoken
-from v3dcad.formats.gcode_lines import COLUMNS, DECIMALS, Lines, rendered
-from v3dcad.formats.gcode_read import read_gcode
+from v3dcad.formats.gcode.blocks import spoken
+from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
+from v3dcad.formats.gcode.reader import read_gcode
+from v3dcad.formats.gcode.writer import Totals, check_fits, write_gcode
 from v3dcad.model import EXTRUDE, RETRACT, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
