@@ -20,7 +20,7 @@ from build123d import Box, Cylinder
 
 import v3dcad
 from v3dcad import Structure
-from v3dcad.formats.threemf import write_beams
+from v3dcad.formats.mesh.threemf_writer import write_beams
 from v3dcad.geometry.solid.bar_meshes import bar_mesh
 
 FOLDER = Path(tempfile.mkdtemp())

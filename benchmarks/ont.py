@@ -25,7 +25,7 @@ import numpy as np
 from build123d import Box, Cone, Plane, Rectangle, extrude
 
 import v3dcad
-from v3dcad.formats.stl import RECORD, normals
+from v3dcad.formats.mesh.stl import RECORD, normals
 from v3dcad.model import Floats
 
 BUNNY = Path(__file__).resolve().parents[2] / "shared" / "data" / "parts" / "bunny.stl"

@@ -26,8 +26,8 @@ sys.path.insert(0, str(ROOT / "samples" / "thesis"))
 from recipes import Recipe, cubes, prism_of_300, published, pyramid_of_50  # noqa: E402
 
 from v3dcad import Structure, build  # noqa: E402
+from v3dcad.formats.mesh.stl import ascii_stl  # noqa: E402
 from v3dcad.formats.ont import ont_text  # noqa: E402
-from v3dcad.formats.stl import ascii_stl  # noqa: E402
 from v3dcad.geometry.section_area import section_area  # noqa: E402
 from v3dcad.model import Floats, Layer, Mesh  # noqa: E402
 from v3dcad.parts import part_from  # noqa: E402

@@ -158,7 +158,7 @@ def test_convert_and_check(bracket: Path, tmp_path: Path) -> None:
 def test_a_file_in_the_thesis_s_form_is_placed_and_has_nothing_to_compare(tmp_path: Path) -> None:
     from recipes import SITES, TETRAHEDRON
 
-    from v3dcad.formats.stl import ascii_stl
+    from v3dcad.formats.mesh.stl import ascii_stl
 
     text = "[OFFSET_VALUE]\n0.001\n[LAYER_HEIGHT]\n0.1\n[VORONOI_SEED_COORDINATES]\n"
     text += "".join(f"{x},{y},{z}\n" for x, y, z in SITES - 0.3)

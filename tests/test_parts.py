@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import v3dcad
 from tests.parts import part_file
-from v3dcad.formats.stl import binary_stl
+from v3dcad.formats.mesh.stl import binary_stl
 from v3dcad.model import Mesh
 
 CUBE = Mesh(
@@ -92,7 +92,7 @@ def test_threemf_is_flattened_with_its_placements(tmp_path: Path) -> None:
 
 
 def test_threemf_bombs_and_ruins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from v3dcad.formats import threemf_read
+    from v3dcad.formats.mesh import threemf_reader as threemf_read
 
     levels = "".join(
         f'<object id="{k}" type="model"><components>'

@@ -183,7 +183,7 @@ class Forms:
         "walls" are upright strips without thickness, as in the thesis; "solid" (thickness),
         "struts" (diameter, cut) and "beads" (width) are united and closed.
         """
-        from v3dcad.formats.stl import ascii_stl, binary_stl
+        from v3dcad.formats.mesh.stl import ascii_stl, binary_stl
 
         mesh = self._mesh(form, sizes)
         with written_beside(Path(path)) as beside:
@@ -200,7 +200,7 @@ class Forms:
         With `fallback` the beams carry a mesh for viewers that know none (slow for many: they are
         united first).
         """
-        from v3dcad.formats.threemf import write_beams, write_mesh
+        from v3dcad.formats.mesh.threemf_writer import write_beams, write_mesh
         from v3dcad.geometry.solid.bar_meshes import bar_mesh
 
         with written_beside(Path(path)) as beside:

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from v3dcad.errors import FormatError, GeometryError, SettingError
-from v3dcad.formats.stl import normals, read_stl
+from v3dcad.formats.mesh.stl import normals, read_stl
 from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section
 
 STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
@@ -139,12 +139,12 @@ def _part_in(path: Path, repair: bool) -> Part:
     if ending in STL:
         return _mesh_part(path.stem, read_stl(path), repair, (), str(path))
     if ending in THREEMF:
-        from v3dcad.formats.threemf_read import read_threemf
+        from v3dcad.formats.mesh.threemf_reader import read_threemf
 
         mesh, left_out = read_threemf(path)
         return _mesh_part(path.stem, mesh, repair, left_out, str(path))
     if ending in OBJ:
-        from v3dcad.formats.obj import read_obj
+        from v3dcad.formats.mesh.obj import read_obj
 
         mesh, left_out = read_obj(path)
         return _mesh_part(path.stem, mesh, repair, left_out, str(path))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.stl import welded
+from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Mesh, Part, Recipe
 from v3dcad.parts import MeshPart, check_readable, part_from
 from v3dcad.settings import FillSettings

@@ -20,9 +20,9 @@ import atheris
 
 with atheris.instrument_imports(include=["v3dcad"]):
     from v3dcad.errors import FormatError
+    from v3dcad.formats.mesh.stl import welded
     from v3dcad.formats.mesh_code import mesh_bytes, mesh_in
     from v3dcad.formats.ont import ont_text, recipe_in
-    from v3dcad.formats.stl import welded
 
 import numpy as np
 

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.stl import ascii_stl, binary_stl, normals, read_stl
+from v3dcad.formats.mesh.stl import ascii_stl, binary_stl, normals, read_stl
 from v3dcad.model import Mesh
 
 TETRAHEDRON = Mesh(

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.ascii_mesh import ascii_corners
+from v3dcad.formats.mesh.stl_ascii import ascii_corners
 from v3dcad.model import Floats, Mesh
 
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -1,0 +1,1 @@
+"""Files of triangles: STL, binary and ASCII, OBJ, 3MF."""
