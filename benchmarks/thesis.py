@@ -27,7 +27,7 @@ from recipes import Recipe, cubes, prism_of_300, published, pyramid_of_50  # noq
 
 from v3dcad import Structure, build  # noqa: E402
 from v3dcad.formats.mesh.stl import ascii_stl  # noqa: E402
-from v3dcad.formats.ont import ont_text  # noqa: E402
+from v3dcad.formats.ont.document import ont_text  # noqa: E402
 from v3dcad.geometry.section_area import section_area  # noqa: E402
 from v3dcad.model import Floats, Layer, Mesh  # noqa: E402
 from v3dcad.parts import part_from  # noqa: E402

@@ -15,7 +15,7 @@ from recipes import algorithm_10
 import v3dcad
 from v3dcad import FillSettings, FormatError, SettingError, ont
 from v3dcad.errors import KernelError
-from v3dcad.formats.ont import ont_text
+from v3dcad.formats.ont.document import ont_text
 from v3dcad.model import Brep, Mesh
 from v3dcad.structure.placement import on_bed
 

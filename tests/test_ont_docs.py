@@ -9,8 +9,11 @@ import numpy as np
 
 import v3dcad
 from v3dcad import ont
-from v3dcad.formats import mesh_code, numbers, ont_sections, packing
-from v3dcad.formats import ont as form
+from v3dcad.formats import numbers
+from v3dcad.formats.ont import armor as packing
+from v3dcad.formats.ont import document as form
+from v3dcad.formats.ont import mesh_codec as mesh_code
+from v3dcad.formats.ont import sections as ont_sections
 from v3dcad.model import Checksum
 
 TEXT = (Path(__file__).parent.parent / "docs" / "ont.md").read_text(encoding="utf-8")

@@ -145,7 +145,7 @@ class Structure(Forms):
 
     def write_ont(self, path: str | Path, boundary: str | None = None) -> None:
         """Write the structure as `.ont`; `boundary` as for `recipe`."""
-        from v3dcad.formats.ont import ont_text
+        from v3dcad.formats.ont.document import ont_text
 
         form = boundary_form(boundary, self.part)
         with written_beside(Path(path)) as beside:

@@ -50,7 +50,7 @@ def part_of(recipe: Recipe) -> Part:
 
 def read_ont(path: str | Path) -> Recipe:
     """The recipe in an `.ont` file; `FormatError` with line and section where it is damaged."""
-    from v3dcad.formats import ont
+    from v3dcad.formats.ont import document as ont
 
     check_readable(Path(path))
     return ont.read_ont(Path(path))

@@ -21,8 +21,8 @@ import atheris
 with atheris.instrument_imports(include=["v3dcad"]):
     from v3dcad.errors import FormatError
     from v3dcad.formats.mesh.stl import welded
-    from v3dcad.formats.mesh_code import mesh_bytes, mesh_in
-    from v3dcad.formats.ont import ont_text, recipe_in
+    from v3dcad.formats.ont.document import ont_text, recipe_in
+    from v3dcad.formats.ont.mesh_codec import mesh_bytes, mesh_in
 
 import numpy as np
 

@@ -7,7 +7,7 @@ from typing import Any, get_args, get_type_hints
 
 from v3dcad.errors import SettingError
 from v3dcad.formats.numbers import number_in, number_text
-from v3dcad.formats.ont_sections import Field
+from v3dcad.formats.ont.sections import Field
 from v3dcad.settings import FillSettings
 
 IN_OWN_SECTIONS = ("offset", "layer_height")

@@ -18,11 +18,11 @@ import numpy as np
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.formats.mesh.stl import ascii_stl, welded
 from v3dcad.formats.mesh.stl_ascii import ascii_corners
-from v3dcad.formats.mesh_code import mesh_bytes, mesh_in
 from v3dcad.formats.numbers import number_text
-from v3dcad.formats.ont_sections import PART, SITES, Body, Field, Fields, sections_in
-from v3dcad.formats.ont_settings import settings_fields, settings_from
-from v3dcad.formats.packing import MARK, checked, packed, unpacked
+from v3dcad.formats.ont.armor import MARK, checked, packed, unpacked
+from v3dcad.formats.ont.mesh_codec import mesh_bytes, mesh_in
+from v3dcad.formats.ont.sections import PART, SITES, Body, Field, Fields, sections_in
+from v3dcad.formats.ont.settings import settings_fields, settings_from
 from v3dcad.model import Brep, Checksum, Floats, Mesh, Placement, Recipe
 from v3dcad.settings import FillSettings, declared
 

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from parts import read_stl
 
-from v3dcad.formats import mesh_code
 from v3dcad.formats.mesh.stl import welded
-from v3dcad.formats.mesh_code import DOUBLE, HEADER, SINGLE, mesh_bytes, mesh_in
-from v3dcad.formats.packing import checked, packed, unpacked
+from v3dcad.formats.ont import mesh_codec as mesh_code
+from v3dcad.formats.ont.armor import checked, packed, unpacked
+from v3dcad.formats.ont.mesh_codec import DOUBLE, HEADER, SINGLE, mesh_bytes, mesh_in
 from v3dcad.model import Floats, Mesh
 
 NOWHERE = np.zeros(3)

@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from recipes import BREP, CHECKSUM, SITES, TETRAHEDRON, algorithm_10, recipe
 
 from v3dcad.errors import FormatError
-from v3dcad.formats import ont, ont_settings
-from v3dcad.formats.ont import ont_text, read_ont, recipe_in
-from v3dcad.formats.packing import checked, packed
+from v3dcad.formats.ont import document as ont
+from v3dcad.formats.ont import settings as ont_settings
+from v3dcad.formats.ont.armor import checked, packed
+from v3dcad.formats.ont.document import ont_text, read_ont, recipe_in
 from v3dcad.model import Mesh, Recipe
 from v3dcad.settings import FillSettings
 
