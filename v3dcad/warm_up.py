@@ -23,7 +23,7 @@ def warm_up() -> None:
     sides = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     vertices = np.concatenate([4 * corners, corners + 0.5])
     _make((vertices, np.concatenate([sides[1:], sides[:, ::-1] + len(corners)])))
-    from v3dcad.kernel.trial import trial_part
+    from v3dcad.kernel.warm_up_part import trial_part
 
     _make(trial_part())
 

@@ -42,7 +42,7 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.poles import with_meridians
 from v3dcad.geometry.surface.refinement import refined
 from v3dcad.geometry.surface.surfaces import surface_points
-from v3dcad.kernel.packing import Packer
+from v3dcad.kernel.flattening import Packer
 from v3dcad.model import Ints, Mesh
 
 DEFLECTION = 0.002

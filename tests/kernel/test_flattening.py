@@ -38,7 +38,7 @@ from OCP.TColStd import TColStd_Array1OfReal
 from v3dcad.geometry.surface.curves import curve_at
 from v3dcad.geometry.surface.splines import MOST_POLES
 from v3dcad.geometry.surface.surfaces import surface_at
-from v3dcad.kernel.packing import Packer
+from v3dcad.kernel.flattening import Packer
 
 FRAME = gp_Ax2(gp_Pnt(1, 2, 3), gp_Dir(0.3, -0.4, 1), gp_Dir(1, 0.2, 0))
 SPACE = gp_Ax3(FRAME)
