@@ -35,8 +35,8 @@ from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Circ, gp_Dir, gp_Elips, gp_Pnt, gp
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt, TColgp_HArray1OfPnt
 from OCP.TColStd import TColStd_Array1OfReal
 
+from v3dcad.geometry.compiled.intrinsics import STACK_ROOM
 from v3dcad.geometry.surface.curves import curve_at
-from v3dcad.geometry.surface.splines import MOST_POLES
 from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.kernel.flattening import Packer
 
@@ -158,15 +158,15 @@ def test_surfaces(name: str):
 )
 def test_no_spline_needs_more_room_than_there_is(kind):
     """They are evaluated in room for so many poles, and nothing else looks at their degree."""
-    assert kind.MaxDegree_s() + 1 == MOST_POLES
+    assert kind.MaxDegree_s() + 1 == STACK_ROOM
 
 
 def test_splines_of_the_highest_degree():
     """Against fractions: OCCT itself is off by up to 1e-6 there."""
-    surface = bezier_surface(MOST_POLES, MOST_POLES)
+    surface = bezier_surface(STACK_ROOM, STACK_ROOM)
     packer = Packer()
     place, curve = packer.surface(surface), packer.curve(surface.UIso(0.0))
-    heap, degree = packer.heap(), MOST_POLES - 1
+    heap, degree = packer.heap(), STACK_ROOM - 1
     rows = [[Fraction(surface.Pole(i, j).Z()) for j in range(1, 27)] for i in range(1, 27)]
 
     def bernstein(poles, t):

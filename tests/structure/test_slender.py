@@ -105,7 +105,7 @@ def test_what_climbs_is_what_is_built_from_scratch(name: str) -> None:
     assert course is not None
     mesh, sites, epoch = course.mesh, course.sites(), course.epochs[-1]
     time = int(course.times[-1])
-    rows = slice(SENTINELS, int(mesh.count[POINTS]))
+    rows = slice(SENTINELS, int(mesh.counts[POINTS]))
     base, growth = epoch.counts(sites.base, sites.growth, sites.born)
     np.testing.assert_array_equal(mesh.points[rows, 2], base + growth * (time - epoch.start))
     # All sites of the recorded weights, the heaviest 0: who has none of the frame is the same.

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from v3dcad.geometry.arcs import lengths
+from v3dcad.geometry.compiled.arrays import ConstFloatArray, ConstFloatRows, FloatArray
+from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.model import RETRACT, UNRETRACT, Floats, Toolpath
 from v3dcad.settings import PrintSettings
 
@@ -52,20 +53,15 @@ def move_seconds(
     return seconds
 
 
-@numba.njit(
-    "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], float64, float64, "
-    "float64[::1])",
-    cache=True,
-    nogil=True,
-)
+@compiled(ENTRY)
 def _plan(
-    steps: Floats,
-    length: Floats,
-    still: Floats,
-    speed: Floats,
+    steps: ConstFloatRows,
+    length: ConstFloatArray,
+    still: ConstFloatArray,
+    speed: ConstFloatArray,
     acceleration: float,
     corner: float,
-    seconds: Floats,
+    seconds: FloatArray,
 ) -> None:
     count = len(length)
     # entry[k] is the square of the speed at which move k begins; the last one ends at rest.

@@ -16,37 +16,40 @@ Where contours are far outside the hull of the sites, cells are born there, too:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.clipping.interior import CUT
-from v3dcad.geometry.compiled.arrays import FLOAT, POINT_ROWS, ROWS, WORD
+from v3dcad.geometry.clipping.interior import Cut
+from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.power_diagram.event_queue import LAST, MOST, MOTION, NOW
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
+from v3dcad.geometry.power_diagram.event_queue import LAST, MOST, NOW, Motion
 from v3dcad.geometry.power_diagram.grid import HEAVIEST
 from v3dcad.geometry.power_diagram.kinetic_triangulation import add_point
 from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.regular_triangulation import holds, locate
-from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, POINTS, TRIANGLE_ROWS
+from v3dcad.geometry.power_diagram.triangle_mesh import (
+    NOTHING,
+    POINTS,
+    Triangulation,
+)
 from v3dcad.structure.holes import (
     BARREN,
     LISTED,
     SHARE,
-    SHORTLIST,
+    Shortlist,
     list_holes,
     look_again,
     size_of,
 )
 from v3dcad.structure.rim import (
     MARGIN,
-    RIM,
+    Rim,
     cells_at,
     largest_of,
     moved_out,
     size_rim,
     touching,
 )
-from v3dcad.structure.spacing import SQUARES, list_points, too_near
+from v3dcad.structure.spacing import Squares, list_points, too_near
 
 LEAD = 3
 """Units of growth by which a newborn is ahead of its parents' mean: an eighth of `growth.PACE`.
@@ -54,8 +57,8 @@ With more, cells are less even and the hull shrinks sooner; with less, they hard
 up."""
 
 
-@njit(types.UniTuple(FLOAT, 2)(POINT_ROWS, *[WORD] * 3), **INLINED)
-def orthocentre(points, a, b, c):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def orthocentre(points: IntRows, a: int, b: int, c: int) -> tuple[float, float]:
     """Where the cells of three points meet, from the first of them, grid steps."""
     x, y, weight = points[a, 0], points[a, 1], points[a, 2]
     bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
@@ -65,16 +68,16 @@ def orthocentre(points, a, b, c):  # type: ignore[no-untyped-def]
     return (cy * of_b - by * of_c) / double, (bx * of_c - cx * of_b) / double
 
 
-@linked(FLOAT(POINT_ROWS, *[WORD] * 4), **INTERNAL)
-def empty_until(points, q, a, b, c):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def empty_until(points: IntRows, q: int, a: int, b: int, c: int) -> float:
     """The largest weight (steps², but for rounding) at which q has no cell beside a, b, c."""
     vx, vy = orthocentre(points, a, b, c)
     qx, qy = float(points[q, 0] - points[a, 0]), float(points[q, 1] - points[a, 1])
     return qx * (qx - 2 * vx) + qy * (qy - 2 * vy) + points[a, 2]
 
 
-@linked(types.boolean(MESH, WORD, WORD, WORD, WORD, WORD), **INTERNAL)
-def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def weigh_newborn(mesh: Triangulation, q: int, a: int, b: int, c: int, guess: int) -> bool:
     """Give point q the least weight at which its cell is not empty; False beyond the safe range.
 
     `guess` is that weight but for rounding.
@@ -102,8 +105,8 @@ def weigh_newborn(mesh, q, a, b, c, guess):  # type: ignore[no-untyped-def]
     return abs(high) < HEAVIEST
 
 
-@linked(types.void(types.int64[::1], types.int32[::1], WORD, WORD), **INTERNAL)
-def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _sink(holes: IntArray, places: Int32Array, at: int, length: int) -> None:
     """Let an entry sink in a heap with the largest hole first."""
     while True:
         below = 2 * at + 1
@@ -118,8 +121,10 @@ def _sink(holes, places, at, length):  # type: ignore[no-untyped-def]
         at = below
 
 
-@linked(types.boolean(POINT_ROWS, TRIANGLE_ROWS, *[WORD] * 5), **INTERNAL)
-def is_crowded(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def is_crowded(
+    points: IntRows, parents: Int32Rows, first: int, q: int, a: int, b: int, c: int
+) -> bool:
     """Whether q, newborn to a, b, c, has to wait because of newborns before it at this moment:
     those from point `first` on, with their parents (k, 3).
 
@@ -142,33 +147,40 @@ def is_crowded(points, parents, first, q, a, b, c):  # type: ignore[no-untyped-d
     return False
 
 
-@njit(types.UniTuple(WORD, 3)(POINT_ROWS, types.int64[::1], *[WORD] * 3), **INLINED)
-def newborn_at(points, growth, a, b, c):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def newborn_at(points: IntRows, growth: IntArray, a: int, b: int, c: int) -> tuple[int, int, int]:
     """The place of a triangle's newborn, its centroid, and its growth."""
     x = (points[a, 0] + points[b, 0] + points[c, 0] + 1) // 3
     y = (points[a, 1] + points[b, 1] + points[c, 1] + 1) // 3
     return x, y, (growth[a] + growth[b] + growth[c]) // 3 + LEAD
 
 
-@njit(types.void(MESH, MOTION, WORD, WORD), **INLINED)
-def _enter(mesh, motion, q, grows):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _enter(mesh: Triangulation, motion: Motion, q: int, grows: int) -> None:
     """Let the point q, which has its place and its weight of now, be the last of all points."""
     weight, time = mesh.points[q, 2], motion.state[NOW]
     motion.growth[q], motion.base[q] = grows, weight - grows * time
     motion.born[q] = time
-    mesh.count[POINTS] += 1
+    mesh.counts[POINTS] += 1
     # The epoch ends before it leaves the safe range.
     motion.state[LAST] = min(motion.state[LAST], time + (HEAVIEST - weight) // max(grows, 1))
 
 
-@linked(WORD(MESH, MOTION, SQUARES, RIM, ROWS, WORD, WORD, FLOAT), **INTERNAL)
-def _come_in(  # type: ignore[no-untyped-def]
-    mesh, motion, squares, rim, crossings, crossing, before, reach
-):
+@linked(INTERNAL)
+def _come_in(
+    mesh: Triangulation,
+    motion: Motion,
+    squares: Squares,
+    rim: Rim,
+    crossings: Int32Rows,
+    crossing: int,
+    before: int,
+    reach: float,
+) -> int:
     """Enter a newborn for the hole at a crossing; returns the triangle that it stands in, or
     `NOTHING` where it cannot be. It is not joined to it yet.
     """
-    points, growth, q = mesh.points, motion.growth, mesh.count[POINTS]
+    points, growth, q = mesh.points, motion.growth, mesh.counts[POINTS]
     i, j = cells_at(mesh, crossings, crossing)
     x, y = moved_out(points, rim.corners, i, j)
     east, north = rim.corners[2, 0], rim.corners[2, 1]
@@ -191,15 +203,24 @@ def _come_in(  # type: ignore[no-untyped-def]
         return NOTHING
     mesh.triangle_of[q] = NOTHING
     _enter(mesh, motion, q, grows)
-    rim.born[rim.count[0]] = motion.state[NOW]
-    rim.count[0] += 1
+    rim.born[rim.counts[0]] = motion.state[NOW]
+    rim.counts[0] += 1
     return triangle
 
 
-@linked(WORD(MESH, MOTION, CUT, SQUARES, SHORTLIST, RIM, ROWS, WORD, WORD, FLOAT), **INTERNAL)
-def give_births(  # type: ignore[no-untyped-def]
-    mesh, motion, cut, squares, shortlist, rim, crossings, count, wanted, reach
-):
+@linked(INTERNAL)
+def give_births(
+    mesh: Triangulation,
+    motion: Motion,
+    cut: Cut,
+    squares: Squares,
+    shortlist: Shortlist,
+    rim: Rim,
+    crossings: Int32Rows,
+    count: int,
+    wanted: int,
+    reach: float,
+) -> int:
     """Add up to `wanted` newborns at the present time, largest hole first; returns how many.
 
     Each is at the centroid of a triangle whose vertex lies inside the section, or, one at a time,
@@ -208,7 +229,7 @@ def give_births(  # type: ignore[no-untyped-def]
     and log.
     """
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
-    before, born, outer, within = mesh.count[POINTS], 0, NOTHING, NOTHING
+    before, born, outer, within = mesh.counts[POINTS], 0, NOTHING, NOTHING
     heap, places, parents = shortlist.heap, shortlist.places, shortlist.parents
     list_points(mesh, growth, squares)
     size_rim(mesh, rim, crossings, count)
@@ -230,7 +251,7 @@ def give_births(  # type: ignore[no-untyped-def]
         while born < wanted:
             largest = float(heap[0]) if length > 0 else shortlist.bar[0]
             if outer == NOTHING and widest != NOTHING and rim.sizes[widest] > largest:
-                q = mesh.count[POINTS]
+                q = mesh.counts[POINTS]
                 within = _come_in(mesh, motion, squares, rim, crossings, widest, before, reach)
                 rim.sizes[widest] = 0
                 widest = largest_of(mesh, rim, crossings, count)
@@ -248,7 +269,7 @@ def give_births(  # type: ignore[no-untyped-def]
             if max(a, b, c) >= before:  # a newborn has just been put here
                 continue
             shortlist.listed[triangle] = BARREN  # unless it changes, as it does with a newborn
-            q = mesh.count[POINTS]
+            q = mesh.counts[POINTS]
             x, y, grows = newborn_at(points, growth, a, b, c)
             if grows > motion.state[MOST]:
                 continue

@@ -6,18 +6,16 @@ it, in which a newborn would stand.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.clipping.interior import CUT, FRESH, TOO_MANY, VERTICES
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.clipping.interior import FRESH, TOO_MANY, VERTICES, Cut
+from v3dcad.geometry.compiled.arrays import FloatArray, Int32Array, Int32Rows, IntArray
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.predicates import orientation
-from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, ROW
+from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, Triangulation
 
 SHARE = 0.8
 """How far between the mean hole and the largest one the bar of a shortlist is."""
@@ -30,26 +28,20 @@ it changes. A larger number is the point that its newborn would be too near to, 
 class Shortlist(NamedTuple):
     """All holes with room that are above a bar."""
 
-    holes: Any
+    holes: Int32Array
     """(t,) int32: their triangles"""
-    listed: Any
+    listed: Int32Array
     """(t,) int32: what there is to say of each triangle, or 0"""
-    heap: Any
+    heap: IntArray
     """(t,) int64: room for the sizes of those that may get newborns next, largest first,"""
-    places: Any
+    places: Int32Array
     """(t,) int32: their triangles,"""
-    parents: Any
+    parents: Int32Rows
     """(t, 3) int32: and the parents of the newborns"""
-    bar: Any
+    bar: FloatArray
     """(1,) float64, steps²"""
-    length: Any
+    length: IntArray
     """(1,) int64: how many holes are listed"""
-
-
-SHORTLIST = TupleType(
-    [ROW, ROW, types.int64[::1], ROW, types.int32[:, ::1], types.float64[::1], types.int64[::1]],
-    Shortlist,
-)
 
 
 def no_shortlist(triangles: int) -> Shortlist:
@@ -65,16 +57,16 @@ def no_shortlist(triangles: int) -> Shortlist:
     )
 
 
-@njit(WORD(MESH, WORD), **INLINED)
-def size_of(mesh, triangle):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def size_of(mesh: Triangulation, triangle: int) -> int:
     """How large the hole of a triangle is: twice its area, steps²."""
     triangles = mesh.triangles
     a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
     return orientation(mesh.points, a, b, c)
 
 
-@njit(types.void(MESH, CUT, SHORTLIST, WORD), **INLINED)
-def _consider(mesh, cut, shortlist, triangle):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _consider(mesh: Triangulation, cut: Cut, shortlist: Shortlist, triangle: int) -> None:
     """List the hole of a triangle that is not listed if it is above the bar."""
     said = shortlist.listed[triangle]
     lists = cut.vertex_of[triangle] >= 0 and (said == 0 or said > BARREN)
@@ -84,8 +76,8 @@ def _consider(mesh, cut, shortlist, triangle):  # type: ignore[no-untyped-def]
         shortlist.length[0] += 1
 
 
-@linked(types.void(MESH, CUT, SHORTLIST, types.float64), **INTERNAL)
-def list_holes(mesh, cut, shortlist, share):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def list_holes(mesh: Triangulation, cut: Cut, shortlist: Shortlist, share: float) -> None:
     """List all holes anew that are above a bar, so far between their mean and the largest one that
     may have a newborn; with a share of 0, list all.
     """
@@ -113,8 +105,8 @@ def list_holes(mesh, cut, shortlist, share):  # type: ignore[no-untyped-def]
         _consider(mesh, cut, shortlist, cut.corners[vertex, 0])
 
 
-@linked(types.boolean(MESH, CUT, SHORTLIST), **INTERNAL)
-def look_again(mesh, cut, shortlist):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def look_again(mesh: Triangulation, cut: Cut, shortlist: Shortlist) -> bool:
     """Whether the shortlist still holds: then what is new is on it, too."""
     holes, listed, length = shortlist.holes, shortlist.listed, shortlist.length
     kept = 0

@@ -20,26 +20,21 @@ more.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
 from v3dcad.geometry.clipping.ring_walk import EDGE, INTO, SEGMENT, power, walk_rings
 from v3dcad.geometry.compiled.arrays import (
-    FLOAT,
-    FLOAT_ROWS,
-    FLOATS,
-    INTS,
-    POINT_ROWS,
-    ROW,
-    ROWS,
-    WORD,
+    FloatArray,
+    FloatRows,
+    Int32Rows,
+    IntArray,
+    IntRows,
 )
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
+from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, Triangulation
 from v3dcad.model import Floats
 
 MARGIN = 64
@@ -53,27 +48,24 @@ none could come between two others."""
 class Rim(NamedTuple):
     """The base rectangle as a ring, with room for what is found along it."""
 
-    corners: Any
+    corners: FloatRows
     """(4, 2) float64 grid steps, counter-clockwise from (0, 0)"""
-    starts: Any
+    starts: IntArray
     """(2,) int64: where the ring begins and ends"""
-    after: Any
+    after: IntArray
     """(4,) int64: which corner follows each"""
-    begun_in: Any
+    begun_in: IntArray
     """(1,) int32: the cell that the walk around it begins in"""
-    crossings: Any
+    crossings: Int32Rows
     """(c, 4) int32 and"""
-    at: Any
+    at: FloatArray
     """(c,) float64: what it meets"""
-    sizes: Any
+    sizes: IntArray
     """(k,) int64: how large the holes at a section's crossings are"""
-    born: Any
+    born: IntArray
     """(p,) int64: at which times newborns came from outside, and"""
-    count: Any
+    counts: IntArray
     """(1,) int64: how many they are"""
-
-
-RIM = TupleType([FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS, INTS, INTS, INTS], Rim)
 
 
 def rim_of(extent: Floats, crossings: int, points: int) -> Rim:
@@ -85,17 +77,17 @@ def rim_of(extent: Floats, crossings: int, points: int) -> Rim:
         corners=np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * np.ceil(extent),
         starts=np.array([0, 4]),
         after=np.array([1, 2, 3, 0]),
-        begun_in=np.empty(1, np.int32),
+        begun_in=np.empty(1, np.int64),
         crossings=np.empty((most, 4), np.int32),
         at=np.empty(most),
         sizes=np.empty(crossings, np.int64),
         born=np.empty(points, np.int64),
-        count=np.zeros(1, np.int64),
+        counts=np.zeros(1, np.int64),
     )
 
 
-@njit(types.UniTuple(WORD, 2)(MESH, ROWS, WORD), **INLINED)
-def cells_at(mesh, crossings, crossing):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def cells_at(mesh: Triangulation, crossings: Int32Rows, crossing: int) -> tuple[int, int]:
     """The cells that a ring leaves and enters at a crossing."""
     triangles, into = mesh.triangles, crossings[crossing, INTO]
     triangle, i = crossings[crossing, EDGE] // 3, crossings[crossing, EDGE] % 3
@@ -103,8 +95,8 @@ def cells_at(mesh, crossings, crossing):  # type: ignore[no-untyped-def]
     return (other, into) if one == into else (one, into)
 
 
-@njit(types.UniTuple(WORD, 2)(POINT_ROWS, FLOAT_ROWS, WORD, WORD), **INLINED)
-def moved_out(points, corners, i, j):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def moved_out(points: IntRows, corners: FloatRows, i: int, j: int) -> tuple[int, int]:
     """Where the middle of two points gets to a side of the rectangle, at right angles to the way
     from the first to the second and to its right: that is where a ring around what is inside has
     its outside when it passes from cell to cell.
@@ -121,8 +113,8 @@ def moved_out(points, corners, i, j):  # type: ignore[no-untyped-def]
     return int(np.rint(x + share * dx)), int(np.rint(y + share * dy))
 
 
-@linked(types.void(MESH, RIM, ROWS, WORD), **INTERNAL)
-def size_rim(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def size_rim(mesh: Triangulation, rim: Rim, crossings: Int32Rows, count: int) -> None:
     """Fill in how large the holes at a section's crossings are: four times the area of the triangle
     of two sites and where their newborn would be, steps². That compares with other holes as if the
     sites had mirror images outside.
@@ -135,8 +127,8 @@ def size_rim(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
         rim.sizes[crossing] = 2 * abs(dx * (y - points[i, 1]) - dy * (x - points[i, 0]))
 
 
-@njit(WORD(MESH, RIM, ROWS, WORD), **INLINED)
-def largest_of(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def largest_of(mesh: Triangulation, rim: Rim, crossings: Int32Rows, count: int) -> int:
     """The crossing with the largest hole, or `NOTHING` where all are 0; of equal ones that between
     the cells that come first.
     """
@@ -149,8 +141,10 @@ def largest_of(mesh, rim, crossings, count):  # type: ignore[no-untyped-def]
     return largest
 
 
-@linked(types.UniTuple(FLOAT, 2)(MESH, INTS, RIM, WORD, WORD), **INTERNAL)
-def touching(mesh, growth, rim, x, y):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def touching(
+    mesh: Triangulation, growth: IntArray, rim: Rim, x: int, y: int
+) -> tuple[float, float]:
     """The weight with which the cell of a point begins to touch the rectangle from outside, and the
     growth at which it goes on to do so; an infinite weight where it cannot be found.
     """

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.compiled.arrays import FLOAT, POINT_ROWS, WORD
+from v3dcad.geometry.compiled.arrays import Int32Array, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.grid import STEPS
-from v3dcad.geometry.power_diagram.triangle_mesh import MESH, NOTHING, POINTS, ROW, SENTINELS
+from v3dcad.geometry.power_diagram.triangle_mesh import (
+    NOTHING,
+    POINTS,
+    SENTINELS,
+    Triangulation,
+)
 
 
-@njit(types.boolean(POINT_ROWS, types.int64[::1], *[WORD] * 4, FLOAT), **INLINED)
-def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def is_apart(
+    points: IntRows, growth: IntArray, point: int, x: int, y: int, grows: int, reach: float
+) -> bool:
     """Whether a site at (x, y) is at least `reach` from a point per unit of growth between them.
 
     Faster points count as slower ones do: the wall between the two leans as much.
@@ -29,15 +34,14 @@ def is_apart(points, growth, point, x, y, grows, reach):  # type: ignore[no-unty
 class Squares(NamedTuple):
     """Points by squares of a grid over the frame, to look for near ones."""
 
-    first: Any
+    first: Int32Array
     """(side²,) int32: the point listed last in each square, or −1"""
-    following: Any
+    following: Int32Array
     """(p,) int32: the point listed before each in its square, or −1"""
-    state: Any
+    state: IntArray
     """(2,) int64: how many points are listed, and the fastest one's growth"""
 
 
-SQUARES = TupleType([ROW, ROW, types.int64[::1]], Squares)
 COUNT, FASTEST = range(2)
 
 
@@ -49,25 +53,31 @@ def no_squares(points: int) -> Squares:
     )
 
 
-@linked(types.void(MESH, types.int64[::1], SQUARES), **INTERNAL)
-def list_points(mesh, growth, squares):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def list_points(mesh: Triangulation, growth: IntArray, squares: Squares) -> None:
     """List the points that are not listed yet."""
     points, first, following = mesh.points, squares.first, squares.following
     side = int(np.sqrt(len(first)))
-    for point in range(squares.state[COUNT], mesh.count[POINTS]):
+    for point in range(squares.state[COUNT], mesh.counts[POINTS]):
         row, column = points[point, 1] * side // STEPS, points[point, 0] * side // STEPS
         square = min(row, side - 1) * side + min(column, side - 1)
         following[point] = first[square]
         first[square] = point
         squares.state[FASTEST] = max(squares.state[FASTEST], growth[point])
-    squares.state[COUNT] = mesh.count[POINTS]
+    squares.state[COUNT] = mesh.counts[POINTS]
 
 
-@linked(
-    WORD(MESH, types.int64[::1], SQUARES, WORD, *[WORD] * 3, FLOAT),
-    **INTERNAL,
-)
-def too_near(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def too_near(
+    mesh: Triangulation,
+    growth: IntArray,
+    squares: Squares,
+    before: int,
+    x: int,
+    y: int,
+    grows: int,
+    reach: float,
+) -> int:
     """A point that a site at (x, y) would be too near to, or `NOTHING`: it must be apart from every
     listed point that is not hidden, in another place than those that are, and apart from all
     points from `before` on.
@@ -89,7 +99,7 @@ def too_near(mesh, growth, squares, before, x, y, grows, reach):  # type: ignore
                 ):
                     return point
                 point = squares.following[point]
-    for point in range(before, mesh.count[POINTS]):
+    for point in range(before, mesh.counts[POINTS]):
         if not is_apart(points, growth, point, x, y, grows, reach):
             return point
     return NOTHING

@@ -9,16 +9,19 @@ where the distance exceeds a reach is one interval in each cell. No sampling is 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstFloatStack,
+    ConstIntArray,
+    FloatArray,
+    IntArray,
+)
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED, INLINED, INTERNAL
+from v3dcad.geometry.compiled.options import ENTRY, INLINED, INTERNAL, compiled
 from v3dcad.model import Floats, Ints
 
-FLOAT = types.float64
-FLOATS, INTS = types.float64[::1], types.int64[::1]
-GIVEN, GIVEN_ROWS, SEGMENTS = (types.Array(FLOAT, rank, "C", readonly=True) for rank in (1, 2, 3))
 """Arrays of the model, which may not be written to."""
 
 
@@ -50,13 +53,22 @@ def distance_to_walls(
     return farthest, beyond
 
 
-@njit(FLOAT(GIVEN_ROWS, GIVEN, WORD, FLOAT, FLOAT), **INLINED)
-def _power(sites, weights, site, x, y):  # type: ignore[no-untyped-def]
-    return (x - sites[site, 0]) ** 2 + (y - sites[site, 1]) ** 2 - weights[site]
+@compiled(INLINED)
+def _power(sites: ConstFloatRows, weights: ConstFloatArray, site: int, x: float, y: float) -> float:
+    power: float = (x - sites[site, 0]) ** 2 + (y - sites[site, 1]) ** 2 - weights[site]
+    return power
 
 
-@linked(WORD(GIVEN_ROWS, GIVEN, INTS, INTS, WORD, FLOAT, FLOAT), **INTERNAL)
-def _owner(sites, weights, first, adjacent, site, x, y):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _owner(
+    sites: ConstFloatRows,
+    weights: ConstFloatArray,
+    first: ConstIntArray,
+    adjacent: ConstIntArray,
+    site: int,
+    x: float,
+    y: float,
+) -> int:
     """The site whose cell holds a point: go to a neighbour of less power while there is one."""
     power = _power(sites, weights, site, x, y)
     moved = True
@@ -71,8 +83,10 @@ def _owner(sites, weights, first, adjacent, site, x, y):  # type: ignore[no-unty
     return site
 
 
-@linked(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT), **INTERNAL)
-def _greatest_least(start, slope, count, low, high):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _greatest_least(
+    start: FloatArray, slope: FloatArray, count: int, low: float, high: float
+) -> float:
     """Greatest value, over low ≤ t ≤ high, of the least of the lines start + slope · t.
 
     Follow the lower envelope from `low` while it rises; each next line is less steep.
@@ -93,11 +107,14 @@ def _greatest_least(start, slope, count, low, high):  # type: ignore[no-untyped-
         if after < 0:
             break
         active = after
-    return start[active] + slope[active] * t
+    highest: float = start[active] + slope[active] * t
+    return highest
 
 
-@linked(FLOAT(FLOATS, FLOATS, WORD, FLOAT, FLOAT, FLOAT), **INTERNAL)
-def _above(start, slope, count, low, high, reach):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _above(
+    start: FloatArray, slope: FloatArray, count: int, low: float, high: float, reach: float
+) -> float:
     """Length of the interval of low ≤ t ≤ high in which all lines lie above `reach`."""
     for k in range(count):
         if slope[k] == 0.0:
@@ -112,8 +129,18 @@ def _above(start, slope, count, low, high, reach):  # type: ignore[no-untyped-de
     return max(0.0, high - low)
 
 
-@njit(types.void(SEGMENTS, INTS, GIVEN_ROWS, GIVEN, INTS, INTS, FLOAT, FLOATS, FLOATS), **COMPILED)
-def _distances(segments, hints, sites, weights, first, adjacent, reach, farthest, beyond):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def _distances(
+    segments: ConstFloatStack,
+    hints: IntArray,
+    sites: ConstFloatRows,
+    weights: ConstFloatArray,
+    first: ConstIntArray,
+    adjacent: ConstIntArray,
+    reach: float,
+    farthest: FloatArray,
+    beyond: FloatArray,
+) -> None:
     most = 0
     for site in range(len(sites)):
         most = max(most, first[site + 1] - first[site])

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
+    ConstIntArray,
+    ConstIntRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.model import Ints
 
 Passed = NDArray[np.bool_]
@@ -37,21 +43,16 @@ class EvenGraph:
         return vertices[:count].copy(), passed[: count - 1].copy()
 
 
-@numba.njit(
-    "int64(int64[:, ::1], int64[::1], int64[::1], int64[::1], boolean[::1], int64, "
-    "int64[::1], int64[::1])",
-    cache=True,
-    nogil=True,
-)
+@compiled(ENTRY)
 def _circuit(
-    edges: Ints,
-    incident: Ints,
-    first: Ints,
-    cursor: Ints,
-    passed: Passed,
+    edges: ConstIntRows,
+    incident: ConstIntArray,
+    first: ConstIntArray,
+    cursor: IntArray,
+    passed: BoolArray,
     start: int,
-    vertices_out: Ints,
-    edges_out: Ints,
+    vertices_out: IntArray,
+    edges_out: IntArray,
 ) -> int:
     # A walk goes on until it is stuck, which in an even graph is where it began; what is taken
     # back from the stack is the circuit, with side trips spliced in where edges were left.

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import njit, types
+from numba import njit
 
+from v3dcad.geometry.compiled.arrays import ConstFloatArray, FloatArray
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED
+from v3dcad.geometry.compiled.options import ENTRY
 
-NUMBERS = types.Array(types.float64, 1, "C", readonly=True)
-UNCACHED = {**COMPILED, "cache": False}
+UNCACHED = {**ENTRY, "cache": False}
 
 
-@linked(types.float64[::1](NUMBERS, types.int64, types.float64), **UNCACHED)
-def scaled(numbers, count, factor):  # type: ignore[no-untyped-def]
+@linked(UNCACHED)
+def scaled(numbers: ConstFloatArray, count: int, factor: float) -> FloatArray:
     if count > len(numbers):
         raise ValueError("too many")
     found = np.empty(count)
@@ -29,7 +29,7 @@ def scaled(numbers, count, factor):  # type: ignore[no-untyped-def]
 
 
 @njit(**UNCACHED)
-def total(numbers, count):  # type: ignore[no-untyped-def]
+def total(numbers, count):
     sums = 0.0
     for number in scaled(numbers, count, 2):
         sums += number
@@ -60,10 +60,10 @@ def test_callers_hold_its_name_and_not_its_code() -> None:
 
 def test_a_cached_caller_finds_it_in_another_process(tmp_path: Path) -> None:
     (tmp_path / "halves.py").write_text(
-        "from numba import njit, types\n"
+        "from numba import njit\n"
         "from v3dcad.geometry.compiled.linked import linked\n"
-        "@linked(types.float64(types.float64), cache=True)\n"
-        "def half(number):\n"
+        "@linked({'cache': True})\n"
+        "def half(number: float) -> float:\n"
         "    return number / 2\n"
         "@njit(cache=True)\n"
         "def quarter(number):\n"

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 def triangles(mesh):
     """The triangles (t, 3), smallest point first, sorted."""
-    corners = mesh.triangles[: mesh.count[TRIANGLES], :3]
+    corners = mesh.triangles[: mesh.counts[TRIANGLES], :3]
     corners = corners[corners[:, 0] != NOTHING]
     turn = (np.argmin(corners, axis=1)[:, None] + np.arange(3)) % 3
     corners = np.take_along_axis(corners, turn, axis=1)

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from v3dcad.geometry.compiled.arrays import (
+    ByteArray,
+    ConstBoolRows,
+    ConstByteArray,
+    ConstIntArray,
+    ConstIntRows,
+)
+from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.model import Ints
 
 COLUMNS = 7
@@ -64,8 +71,8 @@ def rendered(lines: Lines, remarks: list[bytes]) -> bytes:
     return out[:size].tobytes()
 
 
-@numba.njit("int64(uint8[::1], int64, int64, int64)", cache=True, nogil=True)
-def _write_number(out: Text, at: int, value: int, decimals: int) -> int:
+@compiled(ENTRY)
+def _write_number(out: ByteArray, at: int, value: int, decimals: int) -> int:
     if value < 0:
         out[at] = 45  # minus
         at += 1
@@ -89,22 +96,17 @@ def _write_number(out: Text, at: int, value: int, decimals: int) -> int:
     return end
 
 
-@numba.njit(
-    "int64(int64[::1], int64[:, ::1], boolean[:, ::1], int64[::1], uint8[::1], int64[::1], "
-    "uint8[::1], int64[::1], uint8[::1])",
-    cache=True,
-    nogil=True,
-)
+@compiled(ENTRY)
 def _render(
-    commands: Ints,
-    words: Ints,
-    said: NDArray[np.bool_],
-    remarks: Ints,
-    table: Text,
-    bounds: Ints,
-    letters: Text,
-    decimals: Ints,
-    out: Text,
+    commands: ConstIntArray,
+    words: ConstIntRows,
+    said: ConstBoolRows,
+    remarks: ConstIntArray,
+    table: ConstByteArray,
+    bounds: ConstIntArray,
+    letters: ConstByteArray,
+    decimals: ConstIntArray,
+    out: ByteArray,
 ) -> int:
     at = 0
     for line in range(len(commands)):

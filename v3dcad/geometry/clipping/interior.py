@@ -10,17 +10,26 @@ than 0 times, so that each cell's sides close up. Edges there are listed among t
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, INTS, ROWS, WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstIntArray,
+    FloatRows,
+    Int32Array,
+    Int32Rows,
+    IntArray,
+)
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.power_diagram.event_queue import MOTION, strut
-from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH, NOTHING, ROW, edge_to
+from v3dcad.geometry.power_diagram.event_queue import Motion, strut
+from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ACROSS,
+    NOTHING,
+    Triangulation,
+    edge_to,
+)
 
 VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH, MOST = range(7)
 """What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are
@@ -38,58 +47,49 @@ TOO_MANY = -1
 class Cut(NamedTuple):
     """The diagram inside the rings. t, p: slots of triangles and points; edges by their keys."""
 
-    inside: Any
+    inside: Int32Array
     """(t,) int32: each triangle's winding number"""
-    vertex_of: Any
+    vertex_of: Int32Array
     """(t,) int32: its inner vertex, or −1"""
-    corners: Any
+    corners: Int32Rows
     """(t, 4) int32: triangle and cells of each inner vertex"""
-    struts: Any
+    struts: FloatRows
     """(t, 4) float64: how each inner vertex moves"""
-    edges: Any
+    edges: Int32Rows
     """(3 t, 2) int32: vertices of each whole edge"""
-    sites: Any
+    sites: Int32Rows
     """(3 t, 2) int32: to its right and to its left"""
-    halves: Any
+    halves: Int32Rows
     """(3 t, 2) int32: 3 · triangle + edge on both sides; the first is its key"""
-    edge_at: Any
+    edge_at: Int32Array
     """(3 t,) int32: the whole edge of a half, or −1"""
-    first_on: Any
+    first_on: Int32Array
     """(3 t,) int32: the first crossing on the edge with a key, `NONE` or `UNCROSSED`"""
-    gain: Any
+    gain: Int32Rows
     """(3 t, 2) int32: what the winding number gains along it; and room for the next"""
-    crossed: Any
+    crossed: Int32Array
     """(3 t,) int32: keys of crossed edges"""
-    pair_at: Any
+    pair_at: IntArray
     """(3 t,) int64: the cells p < q beside the edge with a key, as p · 2³² + q, where some of it
     lies inside; else 0"""
-    before: Any
+    before: IntArray
     """(3 t,) int64: the same before the last changes; −1 where there were none"""
-    changed: Any
+    changed: Int32Array
     """(3 t,) int32: keys with changes"""
-    fresh: Any
+    fresh: Int32Array
     """(t,) int32: triangles of new inner vertices, since somebody last emptied this list"""
-    filled: Any
+    filled: Int32Array
     """(p,) int32: how many inner vertices each cell has"""
-    listed: Any
+    listed: Int32Array
     """(t,) int32: room for the triangles that are cut anew,"""
-    picked: Any
+    picked: Int32Array
     """(t,) int32: some of them,"""
-    keys: Any
+    keys: Int32Array
     """(6 t,) int32: the keys or halves of their edges, and"""
-    former: Any
+    former: Int32Array
     """(3 t,) int32: the keys of edges that were crossed before"""
-    state: Any
+    state: IntArray
     """(7,) int64"""
-
-
-_VERTICES = [ROW, ROW, ROWS, FLOAT_ROWS]
-
-
-_EDGES = [ROWS, ROWS, ROWS, ROW, ROW, ROWS, ROW, INTS, INTS, ROW]
-
-
-CUT = TupleType([*_VERTICES, *_EDGES, *[ROW] * 6, INTS], Cut)
 
 
 def empty_cut(points: int, triangles: int) -> Cut:
@@ -127,8 +127,8 @@ def cut_with_room(cut: Cut, points: int, triangles: int) -> Cut:
     return longer
 
 
-@linked(types.void(CUT, ROW, WORD), **INTERNAL)
-def drop_edges(cut, halves, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def drop_edges(cut: Cut, halves: Int32Array, count: int) -> None:
     """Take out the whole edges of some halves; their places get the edges' keys, or −1."""
     edges, sites, sides, edge_at = cut.edges, cut.sites, cut.halves, cut.edge_at
     last = cut.state[WHOLE]
@@ -148,8 +148,8 @@ def drop_edges(cut, halves, count):  # type: ignore[no-untyped-def]
     cut.state[WHOLE] = last
 
 
-@linked(types.void(CUT, ROW, WORD), **INTERNAL)
-def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def drop_vertices(cut: Cut, doomed: Int32Array, count: int) -> None:
     """Take out the inner vertices of triangles whose edges have been taken out."""
     vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
     edges, edge_at, filled = cut.edges, cut.edge_at, cut.filled
@@ -175,8 +175,10 @@ def drop_vertices(cut, doomed, count):  # type: ignore[no-untyped-def]
     cut.state[VERTICES], cut.state[FILLED] = last, cells
 
 
-@linked(types.void(MESH, MOTION, CUT, ROW, WORD), **INTERNAL)
-def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def add_vertices(
+    mesh: Triangulation, motion: Motion, cut: Cut, listed: Int32Array, count: int
+) -> None:
     """Number those of the listed triangles that lie inside and have no vertex yet."""
     points, triangles, base, growth = mesh.points, mesh.triangles, motion.base, motion.growth
     vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
@@ -208,8 +210,10 @@ def add_vertices(mesh, motion, cut, listed, count):  # type: ignore[no-untyped-d
     cut.state[MOST] = most
 
 
-@linked(types.void(MESH, CUT, INTS, ROW, WORD), **INTERNAL)
-def settle_edges(mesh, cut, site_of, keys, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def settle_edges(
+    mesh: Triangulation, cut: Cut, site_of: ConstIntArray, keys: Int32Array, count: int
+) -> None:
     """Make the edges with some keys (−1: none) what they should be: whole or not, neighbours or
     not.
     """

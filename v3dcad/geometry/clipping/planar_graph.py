@@ -3,48 +3,40 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import types
 
-from v3dcad.geometry.clipping.interior import CROSSED, CUT, VERTICES, WHOLE
+from v3dcad.geometry.clipping.interior import CROSSED, VERTICES, WHOLE, Cut
 from v3dcad.geometry.clipping.ring_walk import INTO, SEGMENT, WINDING
 from v3dcad.geometry.compiled.arrays import (
-    FLOAT,
-    FLOAT_ROWS,
-    FLOATS,
-    INT_ROWS,
-    INTS,
-    ROW,
-    ROWS,
-    WORD,
+    ConstIntArray,
+    FloatArray,
+    FloatRows,
+    Int32Array,
+    Int32Rows,
+    IntArray,
+    IntRows,
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH
+from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, Triangulation
 
 
-@linked(
-    types.UniTuple(WORD, 2)(
-        MESH,
-        CUT,
-        INTS,
-        FLOAT_ROWS,
-        INTS,
-        INTS,
-        ROW,
-        ROWS,
-        FLOATS,
-        WORD,
-        ROW,
-        INT_ROWS,
-        INT_ROWS,
-        WORD,
-    ),
-    **INTERNAL,
-)
-def write_edges(  # type: ignore[no-untyped-def]
-    mesh, cut, site_of, corners, starts, after, begun_in, crossings, at, count, next_on,
-    edges, sites, row,
-):  # fmt: skip
+@linked(INTERNAL)
+def write_edges(
+    mesh: Triangulation,
+    cut: Cut,
+    site_of: ConstIntArray,
+    corners: FloatRows,
+    starts: IntArray,
+    after: IntArray,
+    begun_in: IntArray,
+    crossings: Int32Rows,
+    at: FloatArray,
+    count: int,
+    next_on: Int32Array,
+    edges: IntRows,
+    sites: IntRows,
+    row: int,
+) -> tuple[int, int]:
     """Write all edges into `edges` and `sites` from `row` on: whole ones, the first pieces of
     crossed ones, their further pieces, the rings. Returns where the first pieces and where the
     edges end: up to there each pair of neighbours comes once.
@@ -122,25 +114,22 @@ def write_edges(  # type: ignore[no-untyped-def]
     return row, length
 
 
-@linked(
-    WORD(
-        FLOAT_ROWS,
-        WORD,
-        FLOAT,
-        FLOAT_ROWS,
-        INTS,
-        ROWS,
-        FLOATS,
-        WORD,
-        *[FLOAT] * 3,
-        FLOAT_ROWS,
-        WORD,
-    ),
-    **INTERNAL,
-)
-def place_vertices(  # type: ignore[no-untyped-def]
-    struts, inner, time, corners, after, crossings, at, count, left, low, pitch, vertices, row
-):
+@linked(INTERNAL)
+def place_vertices(
+    struts: FloatRows,
+    inner: int,
+    time: float,
+    corners: FloatRows,
+    after: IntArray,
+    crossings: Int32Rows,
+    at: FloatArray,
+    count: int,
+    left: float,
+    low: float,
+    pitch: float,
+    vertices: FloatRows,
+    row: int,
+) -> int:
     """Write the vertices' coordinates, mm, into `vertices` from `row` on; returns the row after.
 
     The rings' corners (r, 2) are in mm; (`left`, `low`), mm, and `pitch` say where the grid lies.

@@ -9,14 +9,10 @@ them tell all: no way of crossing, touching or lying on each other is a case of 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import ConstFloatRows, ConstIntArray, FloatRows, IntArray
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
-
-FLOAT, FLOAT_ROWS, INTS = types.float64, types.float64[:, ::1], types.int64[::1]
-PLACE = types.Tuple((WORD, FLOAT, FLOAT))
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 
 THIN = 1e-10
 """An area thinner than this, relative to the extent of its layer's rings, comes of rounding."""
@@ -26,8 +22,15 @@ LOW, HIGH, FOOT, HEAD, GAIN, BELOW, ABOVE = range(7)
 its left to its right, and its x at the bottom and at the top of a slab."""
 
 
-@linked(PLACE(FLOAT_ROWS, INTS, WORD, WORD, FLOAT_ROWS, INTS), **INTERNAL)
-def _fault_in(corners, starts, rings_from, rings_to, segments, order):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _fault_in(
+    corners: ConstFloatRows,
+    starts: ConstIntArray,
+    rings_from: int,
+    rings_to: int,
+    segments: FloatRows,
+    order: IntArray,
+) -> tuple[int, float, float]:
     """Where one layer's rings wind neither 0 times nor once: the layer's first corner, x, y; or −1
     and no place. There must be room for its `segments` (k, 7) and their `order` (k,).
     """
@@ -105,8 +108,10 @@ def _fault_in(corners, starts, rings_from, rings_to, segments, order):  # type: 
     return -1, 0.0, 0.0
 
 
-@njit(PLACE(FLOAT_ROWS, INTS, INTS), **COMPILED)
-def winding_fault(corners, starts, layers):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def winding_fault(
+    corners: ConstFloatRows, starts: ConstIntArray, layers: ConstIntArray
+) -> tuple[int, float, float]:
     """The first layer whose rings wind around some area neither 0 times nor once, and where: x, y;
     or −1 and no place.
 

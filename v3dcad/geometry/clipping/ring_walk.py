@@ -13,25 +13,20 @@ cell, over the diagram's edge that is dual to one of the triangulation.
 
 from __future__ import annotations
 
-from numba import njit
-
 from v3dcad.geometry.compiled.arrays import (
-    FLOAT,
-    FLOAT_ROWS,
-    FLOATS,
-    INTS,
-    POINT_ROWS,
-    ROW,
-    ROWS,
-    WORD,
+    FloatArray,
+    FloatRows,
+    Int32Rows,
+    IntArray,
+    IntRows,
 )
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
-    MESH,
     NOTHING,
     SENTINELS,
+    Triangulation,
     corner_at,
     edge_to,
 )
@@ -49,15 +44,15 @@ LAPS = 4
 goes round once more from there."""
 
 
-@njit(FLOAT(POINT_ROWS, WORD, FLOAT, FLOAT), **INLINED)
-def power(points, cell, x, y):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def power(points: IntRows, cell: int, x: float, y: float) -> float:
     """The power distance of (x, y) to a cell's site, steps²."""
     dx, dy = points[cell, 0] - x, points[cell, 1] - y
     return dx * dx + dy * dy - points[cell, 2]
 
 
-@njit(FLOAT(POINT_ROWS, WORD, WORD, FLOAT, FLOAT), **INLINED)
-def power_gap(points, cell, other, x, y):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def power_gap(points: IntRows, cell: int, other: int, x: float, y: float) -> float:
     """How much farther (x, y) is from `other` than from `cell`, without the common square."""
     dx, dy = points[other, 0] - points[cell, 0], points[other, 1] - points[cell, 1]
     along_x, along_y = points[other, 0] + points[cell, 0], points[other, 1] + points[cell, 1]
@@ -65,8 +60,8 @@ def power_gap(points, cell, other, x, y):  # type: ignore[no-untyped-def]
     return dx * (along_x - 2 * x) + dy * (along_y - 2 * y) + lighter
 
 
-@linked(WORD(MESH, WORD, FLOAT, FLOAT), **INTERNAL)
-def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def cell_at(mesh: Triangulation, cell: int, x: float, y: float) -> int:
     """The cell that holds (x, y), searched from neighbour to nearer neighbour.
 
     Of a cell that does not hold it, some neighbour is nearer, so that the search cannot stop short.
@@ -92,10 +87,19 @@ def cell_at(mesh, cell, x, y):  # type: ignore[no-untyped-def]
         cell, own = nearest, least
 
 
-@linked(WORD(MESH, ROWS, FLOATS, WORD, WORD, *[FLOAT] * 4, WORD), **INTERNAL)
-def walk_segment(  # type: ignore[no-untyped-def]
-    mesh, crossings, at, count, cell, ax, ay, bx, by, segment
-):
+@linked(INTERNAL)
+def walk_segment(
+    mesh: Triangulation,
+    crossings: Int32Rows,
+    at: FloatArray,
+    count: int,
+    cell: int,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    segment: int,
+) -> int:
     """Append the crossings of the segment a → b, which begins in `cell`, to the first `count`;
     returns how many there are then, or `FULL`.
     """
@@ -140,8 +144,16 @@ def walk_segment(  # type: ignore[no-untyped-def]
         cell = ahead
 
 
-@linked(WORD(MESH, FLOAT_ROWS, INTS, INTS, ROW, ROWS, FLOATS), **INTERNAL)
-def walk_rings(mesh, corners, starts, after, begun_in, crossings, at):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def walk_rings(
+    mesh: Triangulation,
+    corners: FloatRows,
+    starts: IntArray,
+    after: IntArray,
+    begun_in: IntArray,
+    crossings: Int32Rows,
+    at: FloatArray,
+) -> int:
     """Walk a layer's rings (corners (r, 2) in grid steps, `after` each the next on its ring; where
     each ring begins, counted from anywhere).
 

@@ -5,12 +5,10 @@ What neither the flips nor the rings have touched stays as it is.
 
 from __future__ import annotations
 
-from numba import types
-
 from v3dcad.geometry.clipping.interior import (
     CROSSED,
-    CUT,
     FILLED,
+    Cut,
     add_vertices,
     drop_edges,
     drop_vertices,
@@ -18,22 +16,21 @@ from v3dcad.geometry.clipping.interior import (
 )
 from v3dcad.geometry.clipping.ring_walk import INTO
 from v3dcad.geometry.clipping.winding_numbers import UNKNOWN, chain, wind
-from v3dcad.geometry.compiled.arrays import INTS, ROWS, WORD
+from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array, Int32Rows, IntArray
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, MOTION, TOUCHED
+from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, TOUCHED, Motion
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
-    MESH,
     NOTHING,
-    ROW,
     TRIANGLES,
+    Triangulation,
     edge_to,
 )
 
 
-@linked(WORD(MESH, CUT, WORD, WORD), **INTERNAL)
-def _wind_everything(mesh, cut, touched, length):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _wind_everything(mesh: Triangulation, cut: Cut, touched: int, length: int) -> int:
     """Find all winding numbers anew, from outside; lists every triangle, after the `touched` ones
     of the first `length` that are listed, and returns how many they are.
     """
@@ -41,7 +38,7 @@ def _wind_everything(mesh, cut, touched, length):  # type: ignore[no-untyped-def
     for place in range(length):
         inside[listed[place]] = UNKNOWN if place < touched else 0
     length, live = touched, 0
-    for triangle in range(mesh.count[TRIANGLES]):
+    for triangle in range(mesh.counts[TRIANGLES]):
         if inside[triangle] != UNKNOWN:
             listed[length] = triangle
             length += 1
@@ -55,14 +52,23 @@ def _wind_everything(mesh, cut, touched, length):  # type: ignore[no-untyped-def
     return length
 
 
-@linked(types.void(MESH, MOTION, CUT, INTS, ROWS, WORD, ROW, types.boolean), **INTERNAL)
-def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def renew_cut(
+    mesh: Triangulation,
+    motion: Motion,
+    cut: Cut,
+    site_of: ConstIntArray,
+    crossings: Int32Rows,
+    count: int,
+    next_on: Int32Array,
+    walked: bool,
+) -> None:
     """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
     cross now or crossed before.
     """
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
     listed, picked, keys = cut.listed, cut.picked, cut.keys
-    total, state, touched = mesh.count[TRIANGLES], motion.state, 0
+    total, state, touched = mesh.counts[TRIANGLES], motion.state, 0
     everything = state[TOUCHED] == EVERYTHING
     for place in range(total if everything else state[TOUCHED]):
         triangle = place if everything else motion.touched[place]
@@ -116,8 +122,10 @@ def renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked):  #
     settle_edges(mesh, cut, site_of, keys, many)
 
 
-@linked(WORD(CUT, ROW, ROWS, WORD, ROW, WORD), **INTERNAL)
-def count_cells(cut, begun_in, crossings, count, seen, token):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def count_cells(
+    cut: Cut, begun_in: IntArray, crossings: Int32Rows, count: int, seen: Int32Array, token: int
+) -> int:
     """How many cells have a part inside. Marks those that rings pass in `seen` (p,) with a token
     not used before.
     """

@@ -7,20 +7,25 @@ only right ones. Inside they are 1, but where a part is thinner than rounding.
 
 from __future__ import annotations
 
-from numba import types
-
-from v3dcad.geometry.clipping.interior import CROSSED, CUT, NONE
+from v3dcad.geometry.clipping.interior import CROSSED, NONE, Cut
 from v3dcad.geometry.clipping.ring_walk import EDGE, WINDING
-from v3dcad.geometry.compiled.arrays import ROWS, WORD
+from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, MESH, NOTHING, ROW, edge_to
+from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ACROSS,
+    NOTHING,
+    Triangulation,
+    edge_to,
+)
 
 UNKNOWN = -(1 << 30)
 
 
-@linked(types.boolean(MESH, ROW, ROWS, ROW, WORD), **INTERNAL)
-def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def wind(
+    mesh: Triangulation, inside: Int32Array, gain: Int32Rows, listed: Int32Array, count: int
+) -> bool:
     """Find the winding numbers of the listed triangles, which are `UNKNOWN`, from those around.
 
     Returns whether they fit everywhere.
@@ -59,8 +64,15 @@ def wind(mesh, inside, gain, listed, count):  # type: ignore[no-untyped-def]
     return fits and inside[outermost] == 0
 
 
-@linked(WORD(MESH, CUT, ROWS, WORD, ROW, WORD), **INTERNAL)
-def chain(mesh, cut, crossings, count, next_on, length):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def chain(
+    mesh: Triangulation,
+    cut: Cut,
+    crossings: Int32Rows,
+    count: int,
+    next_on: Int32Array,
+    length: int,
+) -> int:
     """Chain the crossings on each edge in place of those before, which come to `cut.former`; adds
     the triangles beside edges whose gain has changed to the first `length` of `cut.listed`, and
     returns how many are listed then.

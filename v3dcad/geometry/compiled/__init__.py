@@ -1,6 +1,10 @@
 """The one door to numba: how functions are compiled, linked and cached, and the types they take.
 
-options  what numba is asked for        linked  functions that compiled code calls by name
-arrays   types of arrays and numbers    speed   compiling made quicker
-cache    caches of other sources, thrown away
+options     the decorator `compiled`, and the options for each kind of function
+linked      the decorator `linked`: functions that compiled code calls by name
+signatures  numba's signatures, read from annotations
+arrays      the annotations of arrays
+intrinsics  sums in 128 bits, room on the stack
+speed       compiling made quicker
+cache       caches of other sources, deleted
 """

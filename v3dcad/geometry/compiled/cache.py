@@ -9,7 +9,8 @@ NOTE = "compiled-sources"
 """The file beside the caches that says which sources they were made of."""
 
 COMPILED_FOLDERS = ("geometry", "structure")
-"""The folders of the package that hold compiled functions, at any depth."""
+"""The folders, at any depth, with compiled functions that call others in other files. The few in
+`formats` and `toolpath` call none: numba itself sees when their file has changed."""
 
 
 def forget_stale(package: Path) -> None:

@@ -18,23 +18,28 @@ from numba.core.types import Function
 from numba.core.typing.templates import ConcreteTemplate, infer_global
 from numba.extending import lower_builtin
 
+from v3dcad.geometry.compiled.options import Options, P, R
+from v3dcad.geometry.compiled.signatures import signature_of
 
-def linked(signature: Any, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Compile a function for one signature when its module is loaded; `options` are `njit`'s.
+
+def linked(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Compile an annotated function by numba, with options of `options.py`, to be linked.
 
     Compiled code calls it by the names of its module and its own, as a linker would have it, also
     from a cache. From Python it is called as any other, unless it is `INTERNAL`.
     """
 
-    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        signature = signature_of(function)
         compiled = njit(signature, **options)(function)
-        (result,) = compiled.overloads.values()
+        (built,) = compiled.overloads.values()
         name = f"{function.__module__}.{function.__qualname__}"
-        add_symbol(name, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+        add_symbol(name, built.library.get_pointer_to_function(built.fndesc.llvm_func_name))
 
         @wraps(function)
-        def called(*arguments: Any) -> Any:
-            return compiled(*arguments)
+        def called(*arguments: P.args, **named: P.kwargs) -> R:
+            result: R = compiled(*arguments, **named)
+            return result
 
         class Typing(ConcreteTemplate):
             key, cases = called, [signature]

@@ -1,29 +1,54 @@
-"""How compiled functions are compiled: the options that numba gets, by what a function does."""
+"""How functions are compiled: a decorator, and the options that go with what a function does.
+
+Signatures come from annotations (`signatures.py`), so that a function is compiled, or taken from
+numba's cache, when its module is loaded.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar
 
-COMPILED: dict[str, Any] = {
+from numba import njit
+
+from v3dcad.geometry.compiled.signatures import signature_of
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+Options = dict[str, Any]
+
+ENTRY: Options = {
     "cache": True,
     "nogil": True,
     "boundscheck": False,
     "error_model": "numpy",
     "no_cfunc_wrapper": True,
 }
-"""How everything in the engine is compiled: no fastmath, so that bits do not depend on it, and no
-exceptions for divisions by zero, which would be in the way of inlining."""
+"""Functions that Python calls, and that may make arrays. No fastmath, so that bits do not depend on
+the machine, and no exceptions for divisions by zero, which would prevent inlining."""
 
-ALLOCATING = {**COMPILED, "no_cpython_wrapper": True}
-"""How functions are that only compiled code calls: without a way in from Python, which
-costs a second to compile. To call one from Python is to crash."""
+ALLOCATING: Options = {**ENTRY, "no_cpython_wrapper": True}
+"""Functions that may make arrays and that only compiled code calls: without an entry from Python,
+which takes a second to compile. To call one from Python is to crash."""
 
-UNCOUNTED = {**COMPILED, "_nrt": False}
-"""How functions are that make no arrays and hand none back, so that references need not be counted.
-Each look into a bundle of arrays would count one, atomically: a quarter of all time."""
+UNCOUNTED: Options = {**ENTRY, "_nrt": False}
+"""Functions that Python calls and that neither make arrays nor return any, so that references need
+not be counted. Each access to a bundle of arrays would count one, atomically: a quarter of all
+time."""
 
-INTERNAL = {**UNCOUNTED, "no_cpython_wrapper": True}
-"""How most functions are: both."""
+INTERNAL: Options = {**UNCOUNTED, "no_cpython_wrapper": True}
+"""Most functions: only compiled code calls them, and they make no arrays."""
 
-INLINED = {**INTERNAL, "forceinline": True}
-"""How the small ones are: calls that pass many arrays cost more than they do."""
+INLINED: Options = {**INTERNAL, "forceinline": True}
+"""Short ones: passing many arrays would cost more than what they do."""
+
+
+def compiled(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Compile an annotated function by numba, with options of this module."""
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        made: Callable[P, R] = njit(signature_of(function), **options)(function)
+        return made
+
+    return decorate

@@ -8,24 +8,21 @@ changed the tree is made from scratch (`kruskal.py`).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.clipping.interior import CHANGED, CROSSED, CUT, WHOLE
-from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.clipping.interior import CHANGED, CROSSED, WHOLE, Cut
+from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array, Int32Rows, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL
-from v3dcad.geometry.graphs.spanning_tree import LENGTHS, PAIRS, ROW, is_shorter, kruskal, root_of
+from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL, compiled
+from v3dcad.geometry.graphs.spanning_tree import is_shorter, kruskal, root_of
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
-    MESH,
     NOTHING,
     POINTS,
     SENTINELS,
-    TRIANGLE_ROWS,
+    Triangulation,
     corner_at,
     edge_to,
 )
@@ -38,21 +35,18 @@ FEW = 8
 class Tree(NamedTuple):
     """A rooted minimum spanning forest of a triangulation's points; −1 is no point."""
 
-    above: Any
+    above: Int32Array
     """(p,) int32: the point that each hangs from"""
-    below: Any
+    below: Int32Array
     """(p,) int32: the first of those that hang from each"""
-    beside: Any
+    beside: Int32Rows
     """(p, 2) int32: the one before and the one after it, hanging from the same point"""
-    mark: Any
+    mark: Int32Array
     """(p,) int32: in which search each was last met"""
-    found: Any
+    found: Int32Rows
     """(2, p) int32: room for a search"""
-    state: Any
+    state: IntArray
     """(3,) int64: number of marks; how many points a search has found on both sides"""
-
-
-TREE = TupleType([ROW, ROW, TRIANGLE_ROWS, ROW, TRIANGLE_ROWS, LENGTHS], Tree)
 
 
 def empty_tree(points: int) -> Tree:
@@ -76,8 +70,8 @@ def tree_with_room(tree: Tree, points: int) -> Tree:
     return longer
 
 
-@linked(types.void(TREE, WORD), **INTERNAL)
-def _cut_off(tree, point):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _cut_off(tree: Tree, point: int) -> None:
     """Take a point off the one that it hangs from, if it does."""
     above, beside = tree.above, tree.beside
     if above[point] != NOTHING:
@@ -91,8 +85,8 @@ def _cut_off(tree, point):  # type: ignore[no-untyped-def]
         above[point] = NOTHING
 
 
-@linked(types.void(TREE, WORD, WORD), **INTERNAL)
-def _hang(tree, point, under):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _hang(tree: Tree, point: int, under: int) -> None:
     """Turn the piece that a point belongs to so that it is its root, and hang it under another."""
     above, below, beside = tree.above, tree.below, tree.beside
     while point != NOTHING:
@@ -105,8 +99,8 @@ def _hang(tree, point, under):  # type: ignore[no-untyped-def]
         point, under = following, point
 
 
-@njit(WORD(TRIANGLE_ROWS, LENGTHS, WORD, WORD), **INLINED)
-def _key_of(triangles, pair_at, triangle, i):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _key_of(triangles: Int32Rows, pair_at: IntArray, triangle: int, i: int) -> int:
     """The key of edge i of a triangle, if the graph has that edge; else −1."""
     other = triangles[triangle, ACROSS + i]
     if other == NOTHING:
@@ -117,8 +111,8 @@ def _key_of(triangles, pair_at, triangle, i):  # type: ignore[no-untyped-def]
     return key if pair_at[key] != 0 else -1
 
 
-@linked(types.boolean(POINT_ROWS, TRIANGLE_ROWS, LENGTHS, WORD), **INTERNAL)
-def _may_be_branch(points, triangles, pair_at, key):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _may_be_branch(points: IntRows, triangles: Int32Rows, pair_at: IntArray, key: int) -> bool:
     """Whether the edge with a key is not the longest of a triangle of the graph."""
     first, i = key // 3, key % 3
     a, b = triangles[first, (i + 1) % 3], triangles[first, (i + 2) % 3]
@@ -133,8 +127,8 @@ def _may_be_branch(points, triangles, pair_at, key):  # type: ignore[no-untyped-
     return True
 
 
-@linked(types.boolean(MESH, LENGTHS, WORD, WORD), **INTERNAL)
-def _are_joined(mesh, pair_at, a, b):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _are_joined(mesh: Triangulation, pair_at: IntArray, a: int, b: int) -> bool:
     """Whether the graph has an edge a–b."""
     triangles, first = mesh.triangles, mesh.triangle_of[a]
     if first == NOTHING:
@@ -149,8 +143,8 @@ def _are_joined(mesh, pair_at, a, b):  # type: ignore[no-untyped-def]
             return False
 
 
-@linked(types.void(MESH, CUT, TREE, WORD), **INTERNAL)
-def _replace(mesh, cut, tree, lost):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _replace(mesh: Triangulation, cut: Cut, tree: Tree, lost: int) -> None:
     """Put the shortest edge between its two pieces, if there is one that is not new, in the place
     of the branch from the point `lost` to the one above it.
     """
@@ -197,8 +191,8 @@ def _replace(mesh, cut, tree, lost):  # type: ignore[no-untyped-def]
         _hang(tree, inner, outer)
 
 
-@linked(types.void(MESH, TREE, WORD, WORD), **INTERNAL)
-def _join(mesh, tree, a, b):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _join(mesh: Triangulation, tree: Tree, a: int, b: int) -> None:
     """Put in a new edge: between two pieces, or for the longest of the cycle that it closes."""
     points, above, mark = mesh.points, tree.above, tree.mark
     tree.state[0] += 2
@@ -229,8 +223,8 @@ def _join(mesh, tree, a, b):  # type: ignore[no-untyped-def]
         _hang(tree, start, b if start == a else a)
 
 
-@linked(types.void(MESH, CUT, TREE), **ALLOCATING)
-def _make_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
+@linked(ALLOCATING)
+def _make_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
     """Make it the tree of the cut's neighbours from scratch."""
     points, pair_at, halves, crossed = mesh.points, cut.pair_at, cut.halves, cut.crossed
     size, piece, whole = tree.found[0], tree.found[1], cut.state[WHOLE]
@@ -241,7 +235,7 @@ def _make_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
         if _may_be_branch(points, mesh.triangles, pair_at, key):
             pairs[many, 0], pairs[many, 1] = pair_at[key] >> 32, pair_at[key] & MASK
             many += 1
-    for point in range(mesh.count[POINTS]):
+    for point in range(mesh.counts[POINTS]):
         size[point], piece[point] = 1, point
         tree.above[point] = tree.below[point] = NOTHING
     branches = kruskal(points, pairs[:many])
@@ -255,8 +249,8 @@ def _make_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
         size[d] += size[c]
 
 
-@linked(types.void(MESH, CUT, TREE), **INTERNAL)
-def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def renew_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
     """Make it the tree of the cut's neighbours again, after what the cut says has changed."""
     above, pair_at, before, changed = tree.above, cut.pair_at, cut.before, cut.changed
     count = cut.state[CHANGED]
@@ -291,11 +285,13 @@ def renew_tree(mesh, cut, tree):  # type: ignore[no-untyped-def]
     cut.state[CHANGED] = 0
 
 
-@linked(WORD(MESH, TREE, LENGTHS, PAIRS, WORD), **INTERNAL)
-def write_tree(mesh, tree, site_of, branches, row):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def write_tree(
+    mesh: Triangulation, tree: Tree, site_of: ConstIntArray, branches: IntRows, row: int
+) -> int:
     """Write the tree's pairs of sites, i < j, from `row` on; returns the row after."""
     above = tree.above
-    for point in range(SENTINELS, mesh.count[POINTS]):
+    for point in range(SENTINELS, mesh.counts[POINTS]):
         if above[point] != NOTHING:
             i, j = site_of[point], site_of[above[point]]
             branches[row, 0], branches[row, 1] = min(i, j), max(i, j)

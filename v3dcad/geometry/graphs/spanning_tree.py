@@ -6,18 +6,15 @@ Lengths are exact, and ties go by the points' numbers, so that there is only one
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.compiled.arrays import ConstIntRows, Int32Array, IntRows
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED, INLINED, INTERNAL
+from v3dcad.geometry.compiled.options import ENTRY, INLINED, INTERNAL, compiled
 from v3dcad.model import Ints
 
-LENGTHS, PAIRS, ROW = types.int64[::1], types.int64[:, ::1], types.int32[::1]
 
-
-@linked(types.boolean(POINT_ROWS, *[WORD] * 4), **INTERNAL)
-def is_shorter(points, a, b, c, d):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def is_shorter(points: ConstIntRows, a: int, b: int, c: int, d: int) -> bool:
     """Whether the edge a–b comes before c–d: by length, then by the points' numbers."""
     ax, ay = points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]
     cx, cy = points[c, 0] - points[d, 0], points[c, 1] - points[d, 1]
@@ -27,8 +24,8 @@ def is_shorter(points, a, b, c, d):  # type: ignore[no-untyped-def]
     return min(a, b) < min(c, d) or (min(a, b) == min(c, d) and max(a, b) < max(c, d))
 
 
-@njit(WORD(ROW, WORD), **INLINED)
-def root_of(piece, site):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def root_of(piece: Int32Array, site: int) -> int:
     """The root of a site's piece, with the way there halved."""
     while piece[site] != site:
         piece[site] = piece[piece[site]]
@@ -36,8 +33,8 @@ def root_of(piece, site):  # type: ignore[no-untyped-def]
     return site
 
 
-@njit(PAIRS(POINT_ROWS, PAIRS), **COMPILED)
-def kruskal(points, pairs):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def kruskal(points: ConstIntRows, pairs: IntRows) -> IntRows:
     """The minimum spanning forest (k, 2) of pairs (m, 2) of points, shortest first."""
     count, chosen = len(pairs), 0
     order, lengths = np.empty(count, np.int64), np.empty(count, np.int64)

@@ -5,13 +5,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.compiled.options import COMPILED, INLINED
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntRows,
+)
+from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
 from v3dcad.model import Floats, Ints
 
 Flags = NDArray[np.bool_]
@@ -117,19 +121,21 @@ def body_bounds(vertices: Floats, triangles: Ints, body: Ints) -> tuple[Floats, 
     return low, high
 
 
-@njit(**INLINED)
-def arm(vertices, node, point):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def arm(vertices: ConstFloatRows, node: int, point: ConstFloatArray) -> tuple[float, float, float]:
     """The way from a point (3,) to a vertex: x, y, z."""
     return vertices[node, 0] - point[0], vertices[node, 1] - point[1], vertices[node, 2] - point[2]
 
 
-@njit(**INLINED)
-def _dot(a, b):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _dot(a: tuple[float, float, float], b: tuple[float, float, float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(**COMPILED)
-def _solid_angle(vertices, triangles, point):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def _solid_angle(
+    vertices: ConstFloatRows, triangles: ConstIntRows, point: ConstFloatArray
+) -> float:
     """Solid angle of triangles seen from a point (van Oosterom and Strackee 1983)."""
     total = 0.0
     for triangle in range(len(triangles)):

@@ -9,10 +9,10 @@ where the rim is not convex.)
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.compiled.options import COMPILED
+from v3dcad.geometry.compiled.arrays import ConstFloatRows, IntRows
+from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.geometry.mesh.bodies import arm, sides_of
 from v3dcad.model import Floats, Ints
 
@@ -56,8 +56,8 @@ def patch(vertices: Floats, rim: Ints) -> Ints:
     return rim[_least_area(vertices[rim])]
 
 
-@njit(**COMPILED)
-def _least_area(points):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def _least_area(points: ConstFloatRows) -> IntRows:
     count = len(points)
     area = np.zeros((count, count))
     apex = np.zeros((count, count), np.int64)

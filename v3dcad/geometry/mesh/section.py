@@ -19,11 +19,18 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntArray,
+    ConstIntRows,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.model import Floats, Ints, Mesh, Section, Value
 
 SNAP = 1e-9
@@ -202,8 +209,18 @@ def plane_levels(heights: Floats, lowest: float) -> Floats:
     return np.maximum.accumulate(np.where(base, heights + SNAP, heights - SNAP))
 
 
-@njit(**COMPILED)
-def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end, before):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def _cross(
+    vertices: ConstFloatRows,
+    triangles: ConstIntRows,
+    edge_nodes: ConstIntRows,
+    edge_of: ConstIntRows,
+    heights: ConstFloatArray,
+    ranks: ConstIntArray,
+    begin: ConstIntArray,
+    end: ConstIntArray,
+    before: ConstIntArray,
+) -> tuple[FloatRows, IntArray, IntArray, IntArray, IntArray]:
     """Cross every triangle with its planes, then link the crossings of each plane into rings."""
     total = before[-1]
     descent = np.empty(total, np.int64)
@@ -283,8 +300,25 @@ def _cross(vertices, triangles, edge_nodes, edge_of, heights, ranks, begin, end,
     )
 
 
-@njit(**COMPILED)
-def tidy(points, starts):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def is_thin(ring: ConstFloatRows, width: float) -> bool:
+    """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
+    area, length = 0.0, 0.0
+    for place in range(1, len(ring)):
+        x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
+        back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
+        area += back_x * y - back_y * x
+        length += np.hypot(x - back_x, y - back_y)
+    return abs(area) <= width * length
+
+
+@compiled(INTERNAL)
+def _differ(points: ConstFloatRows, one: int, other: int) -> bool:
+    return points[one, 0] != points[other, 0] or points[one, 1] != points[other, 1]
+
+
+@compiled(ENTRY)
+def tidy(points: ConstFloatRows, starts: ConstIntArray) -> tuple[IntArray, IntArray]:
     """Drop duplicate points, and rings thinner than `SNAP`.
 
     Of points (p, 2) in rings that begin at starts (r + 1,) returns the indices of those to keep
@@ -305,20 +339,3 @@ def tidy(points, starts):  # type: ignore[no-untyped-def]
             top = bottom
         new_starts[ring + 1] = top
     return kept[:top], new_starts
-
-
-@njit(**INTERNAL)
-def _differ(points, one, other):  # type: ignore[no-untyped-def]
-    return points[one, 0] != points[other, 0] or points[one, 1] != points[other, 1]
-
-
-@njit(**INTERNAL)
-def is_thin(ring, width):  # type: ignore[no-untyped-def]
-    """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
-    area, length = 0.0, 0.0
-    for place in range(1, len(ring)):
-        x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
-        back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
-        area += back_x * y - back_y * x
-        length += np.hypot(x - back_x, y - back_y)
-    return abs(area) <= width * length

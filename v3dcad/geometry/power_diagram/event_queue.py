@@ -9,14 +9,18 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
+from v3dcad.geometry.compiled.arrays import (
+    FloatArray,
+    FloatRows,
+    Int32Array,
+    Int32Rows,
+    IntArray,
+    IntRows,
+)
+from v3dcad.geometry.compiled.intrinsics import sign_of_sum
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL
-from v3dcad.geometry.power_diagram.predicates import sign_of_sum
-from v3dcad.geometry.power_diagram.triangle_mesh import ROW, TRIANGLE_ROWS
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 
 NEVER = np.inf
 
@@ -41,56 +45,36 @@ EVERYTHING = -1
 class Motion(NamedTuple):
     """How the points of a triangulation grow, and what is due when."""
 
-    base: Any
+    base: IntArray
     """(p,) int64: weight at time 0, steps²"""
-    growth: Any
+    growth: IntArray
     """(p,) int64: weight gained in one unit of time, steps²"""
-    born: Any
+    born: IntArray
     """(p,) int64: time of birth; `ALWAYS` for points that were there from the start"""
-    begun: Any
+    begun: FloatArray
     """(t,) float64: when each triangle came to be"""
-    stamp: Any
+    stamp: Int32Array
     """(3 t,) int32: which entry of the heap about this edge is valid"""
-    due: Any
+    due: FloatArray
     """(h,) float64: heap of moments"""
-    due_edge: Any
+    due_edge: Int32Rows
     """(h, 2) int32: 3 · triangle + edge, and its stamp"""
-    struts: Any
+    struts: Int32Rows
     """(s, 3) int32: log of ended triangles, smallest point first"""
-    spans: Any
+    spans: FloatRows
     """(s, 2) float64: when each began and ended"""
-    touched: Any
+    touched: Int32Array
     """(t,) int32: triangles that came, changed or went since somebody last emptied this list"""
-    moment: Any
+    moment: FloatArray
     """(1,) float64: the latest event"""
-    state: Any
+    state: IntArray
     """(6,) int64"""
 
 
-MOTION = TupleType(
-    [
-        types.int64[::1],
-        types.int64[::1],
-        types.int64[::1],
-        types.float64[::1],
-        ROW,
-        types.float64[::1],
-        TRIANGLE_ROWS,
-        TRIANGLE_ROWS,
-        types.float64[:, ::1],
-        ROW,
-        types.float64[::1],
-        types.int64[::1],
-    ],
-    Motion,
-)
-
-
-TIME = types.float64
-
-
-@njit(types.UniTuple(TIME, 4)(POINT_ROWS, *[types.int64[::1]] * 2, *[WORD] * 3), **INLINED)
-def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def strut(
+    points: IntRows, base: IntArray, growth: IntArray, a: int, b: int, c: int
+) -> tuple[float, float, float, float]:
     """Where the orthocentre of a triangle is at time 0, and how it moves per unit of time.
 
     (x, y, x velocity, y velocity) in grid steps. The smallest point comes first, so that the same
@@ -114,8 +98,10 @@ def strut(points, base, growth, a, b, c):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(types.UniTuple(TIME, 2)(POINT_ROWS, types.int64[::1], *[WORD] * 5), **INLINED)
-def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def failure(
+    points: IntRows, growth: IntArray, a: int, b: int, c: int, d: int, now: int
+) -> tuple[float, float]:
     """When d gets into the orthocircle of a, b, c: the moment, and a bound that is surely earlier.
 
     The moment is `NEVER` where the weights do not bring them closer. Then the bound is too, unless
@@ -130,7 +116,7 @@ def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
     by_a, by_b, by_c = of_a * float(faster_a), of_b * float(faster_b), of_c * float(faster_c)
     slope, least = by_a + by_b + by_c, ROUNDING * (abs(by_a) + abs(by_b) + abs(by_c))
     if abs(slope) <= least:
-        slope = least * sign_of_sum(of_a, faster_a, of_b, faster_b, of_c, faster_c)  # type: ignore[call-arg]
+        slope = least * sign_of_sum(of_a, faster_a, of_b, faster_b, of_c, faster_c)
     from_a = float(ax * ax + ay * ay - points[a, 2] + weight) * of_a
     from_b = float(bx * bx + by * by - points[b, 2] + weight) * of_b
     from_c = float(cx * cx + cy * cy - points[c, 2] + weight) * of_c
@@ -142,8 +128,8 @@ def failure(points, growth, a, b, c, d, now):  # type: ignore[no-untyped-def]
     return now - power / slope, now - early / (slope + least if early < 0 else slope)
 
 
-@njit(types.void(MOTION, WORD, WORD), **INLINED)
-def _sift(motion, at, length):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _sift(motion: Motion, at: int, length: int) -> None:
     """Let the entry at a place of the heap sink to where it belongs."""
     due, edges = motion.due, motion.due_edge
     moment, edge, stamp = due[at], edges[at, 0], edges[at, 1]
@@ -160,8 +146,8 @@ def _sift(motion, at, length):  # type: ignore[no-untyped-def]
     due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
 
 
-@linked(types.void(MOTION), **INTERNAL)
-def _drop_stale(motion):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _drop_stale(motion: Motion) -> None:
     """Take entries out of the heap that no longer hold: what stays is at most one an edge."""
     due, edges, stamp = motion.due, motion.due_edge, motion.stamp
     length = 0
@@ -174,8 +160,8 @@ def _drop_stale(motion):  # type: ignore[no-untyped-def]
         _sift(motion, at, length)
 
 
-@linked(types.void(MOTION, TIME, WORD, WORD), **INTERNAL)
-def push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def push(motion: Motion, moment: float, edge: int, stamp: int) -> None:
     """Enter that an edge is due at a moment; the entry holds while the edge has that stamp."""
     due, edges, state = motion.due, motion.due_edge, motion.state
     if state[DUE] == len(due):
@@ -189,8 +175,8 @@ def push(motion, moment, edge, stamp):  # type: ignore[no-untyped-def]
     due[at], edges[at, 0], edges[at, 1] = moment, edge, stamp
 
 
-@linked(WORD(MOTION), **INTERNAL)
-def pop(motion):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def pop(motion: Motion) -> int:
     """Take the first entry out; returns its edge, or −1 where it no longer holds."""
     due, edges, state = motion.due, motion.due_edge, motion.state
     edge, stamp = edges[0, 0], edges[0, 1]

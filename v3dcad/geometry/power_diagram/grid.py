@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit, types
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.compiled.options import COMPILED
+from v3dcad.geometry.compiled.arrays import ConstIntRows, IntArray
+from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.model import Floats, Ints
 
 STEPS = 1 << 24
@@ -104,8 +104,8 @@ def _refuse(faulty: Any, message: str) -> None:
         raise GeometryError(message, site=int(site))
 
 
-@njit(types.int64[::1](types.int64[:, ::1]), **COMPILED)
-def hilbert_keys(points):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def hilbert_keys(points: ConstIntRows) -> IntArray:
     """Positions (n,) along a Hilbert curve of grid points (n, 2); distinct for distinct points."""
     keys = np.empty(len(points), np.int64)
     for row in range(len(points)):

@@ -12,21 +12,17 @@ triangle runs along a straight strut while the triangle lasts. `Motion.struts` l
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.power_diagram.event_queue import (
     ALWAYS,
     DUE,
     EVERYTHING,
     LAST,
-    MOTION,
     NEVER,
     NOW,
     STRUTS,
-    TIME,
     TOUCHED,
     Motion,
     _longer,
@@ -44,7 +40,6 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     FLIP_HIDE_SECOND,
     FREE,
     HIDE_THIRD,
-    MESH,
     NOTHING,
     POINTS,
     STUCK,
@@ -61,8 +56,8 @@ ADVANCED, LOG_FULL, JAMMED = range(3)
 """How `advance` ends."""
 
 
-@linked(types.void(MESH, MOTION, WORD, WORD, TIME), **INTERNAL)
-def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _certify(mesh: Triangulation, motion: Motion, triangle: int, i: int, earliest: float) -> None:
     """Enter when the exact test of an edge is due, no sooner than `earliest`."""
     triangles = mesh.triangles
     other = triangles[triangle, ACROSS + i]
@@ -90,8 +85,8 @@ def _certify(mesh, motion, triangle, i, earliest):  # type: ignore[no-untyped-de
         push(motion, due, edge, motion.stamp[edge])
 
 
-@linked(types.void(MESH, MOTION, WORD), **INTERNAL)
-def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _end_strut(mesh: Triangulation, motion: Motion, triangle: int) -> None:
     """Log a triangle that ends at this moment; not one that lasted no time at all."""
     triangles, begun, moment = mesh.triangles, motion.begun[triangle], motion.moment[0]
     if begun < moment:
@@ -104,8 +99,8 @@ def _end_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
         motion.spans[row, 0], motion.spans[row, 1] = begun, moment
 
 
-@linked(types.void(MOTION, WORD), **INTERNAL)
-def _touch(motion, triangle):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _touch(motion: Motion, triangle: int) -> None:
     touched, state = motion.touched, motion.state
     if state[TOUCHED] == len(touched):
         state[TOUCHED] = EVERYTHING
@@ -114,8 +109,8 @@ def _touch(motion, triangle):  # type: ignore[no-untyped-def]
         state[TOUCHED] += 1
 
 
-@linked(types.void(MESH, MOTION, WORD), **INTERNAL)
-def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _begin_strut(mesh: Triangulation, motion: Motion, triangle: int) -> None:
     """Date a new triangle and certify its edges; what was due about it no longer is."""
     motion.begun[triangle] = motion.moment[0]
     _touch(motion, triangle)
@@ -125,13 +120,13 @@ def _begin_strut(mesh, motion, triangle):  # type: ignore[no-untyped-def]
         _certify(mesh, motion, triangle, i, -NEVER)
 
 
-@njit(types.void(MESH, MOTION), **UNCOUNTED)
-def certify_all(mesh, motion):  # type: ignore[no-untyped-def]
+@compiled(UNCOUNTED)
+def certify_all(mesh: Triangulation, motion: Motion) -> None:
     """Begin with the triangulation as it stands: every triangle begins now."""
     motion.state[DUE] = 0
     motion.state[TOUCHED] = EVERYTHING
     triangles = mesh.triangles
-    for triangle in range(mesh.count[TRIANGLES]):
+    for triangle in range(mesh.counts[TRIANGLES]):
         motion.begun[triangle] = motion.moment[0]
         if triangles[triangle, 0] != NOTHING:
             for i in range(3):
@@ -139,14 +134,14 @@ def certify_all(mesh, motion):  # type: ignore[no-untyped-def]
                     _certify(mesh, motion, triangle, i, -NEVER)
 
 
-@linked(WORD(MESH, MOTION, WORD), **UNCOUNTED)
-def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
+@linked(UNCOUNTED)
+def advance(mesh: Triangulation, motion: Motion, time: int) -> int:
     """Bring the triangulation to a later whole time. Says how that has ended: `ADVANCED`, or short
     of it, to be gone on with after `resumed`.
     """
     points, triangles, state, stuck = mesh.points, mesh.triangles, motion.state, mesh.stack
     if time != state[NOW]:
-        for point in range(mesh.count[POINTS]):
+        for point in range(mesh.counts[POINTS]):
             points[point, 2] = motion.base[point] + motion.growth[point] * time
         state[NOW] = time
     waiting, flipped = 0, False
@@ -196,7 +191,7 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
                 _end_strut(mesh, motion, far)
         carry_out(mesh, triangle, i, kind, other, near, far)
         if kind != FLIP:
-            for freed in range(mesh.count[FREE] - 2, mesh.count[FREE]):
+            for freed in range(mesh.counts[FREE] - 2, mesh.counts[FREE]):
                 _touch(motion, mesh.free[freed])
                 for k in range(3):
                     motion.stamp[3 * mesh.free[freed] + k] += 1
@@ -208,8 +203,8 @@ def advance(mesh, motion, time):  # type: ignore[no-untyped-def]
     return ADVANCED
 
 
-@linked(types.void(MESH, MOTION, WORD, WORD), **INTERNAL)
-def add_point(mesh, motion, triangle, point):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def add_point(mesh: Triangulation, motion: Motion, triangle: int, point: int) -> None:
     """Join a new point to the triangle that holds it, now; what is due then is up to `advance`.
 
     There must be room for one more strut.
@@ -247,7 +242,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
 
 def all_ended(mesh: Triangulation, motion: Motion) -> Motion:
     """The motion with every triangle that has lasted any time logged as ended at this moment."""
-    some = slice(0, int(mesh.count[TRIANGLES]))
+    some = slice(0, int(mesh.counts[TRIANGLES]))
     corners, begun, moment = mesh.triangles[some, :3], motion.begun[some], motion.moment[0]
     ended = (corners[:, 0] != NOTHING) & (begun < moment)
     corners, begun = corners[ended], begun[ended]
@@ -270,7 +265,7 @@ def resumed(mesh: Triangulation, motion: Motion, ended: int) -> Motion:
         return with_log(motion, len(motion.spans))
     motion.moment[0] = motion.state[NOW]
     motion = all_ended(mesh, motion)
-    build(mesh, mesh.count[POINTS])
+    build(mesh, mesh.counts[POINTS])
     certify_all(mesh, motion)
     return motion
 

@@ -11,43 +11,20 @@ are collinear, and every set of distinct points has exactly one regular triangul
 
 from __future__ import annotations
 
-from typing import Any
-
-from llvmlite import ir
-from numba import njit, types
-from numba.extending import intrinsic
-
-from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
-from v3dcad.geometry.compiled.options import INLINED
+from v3dcad.geometry.compiled.arrays import IntRows
+from v3dcad.geometry.compiled.intrinsics import sign_of_sum
+from v3dcad.geometry.compiled.options import INLINED, compiled
 
 
-@intrinsic
-def sign_of_sum(
-    typing_context: Any, a: Any, b: Any, c: Any, d: Any, e: Any, f: Any
-) -> tuple[Any, Any]:
-    """The exact sign (−1, 0, 1) of ab + cd + ef for 64-bit integers, summed in 128 bits."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        wide, word = ir.IntType(128), ir.IntType(64)
-        p, q, r, s, t, u = (builder.sext(argument, wide) for argument in arguments)
-        total = builder.add(builder.add(builder.mul(p, q), builder.mul(r, s)), builder.mul(t, u))
-        zero = ir.Constant(wide, 0)
-        positive = builder.zext(builder.icmp_signed(">", total, zero), word)
-        negative = builder.zext(builder.icmp_signed("<", total, zero), word)
-        return builder.sub(positive, negative)
-
-    return types.int64(*[types.int64] * 6), generate
-
-
-@njit(WORD(POINT_ROWS, WORD, WORD, WORD), **INLINED)
-def orientation(points, a, b, c):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def orientation(points: IntRows, a: int, b: int, c: int) -> int:
     """Twice the signed area of points a, b, c: positive where they turn counter-clockwise."""
     x, y = points[a, 0], points[a, 1]
     return (points[b, 0] - x) * (points[c, 1] - y) - (points[b, 1] - y) * (points[c, 0] - x)
 
 
-@njit(types.boolean(POINT_ROWS, WORD, WORD, WORD, WORD), **INLINED)
-def conflicts(points, a, b, c, d):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def conflicts(points: IntRows, a: int, b: int, c: int, d: int) -> bool:
     """Whether d lies inside the orthocircle of the counter-clockwise triangle a, b, c.
 
     That is: whether d, lifted to x² + y² − w, lies below the plane of the three, so that the
@@ -58,7 +35,7 @@ def conflicts(points, a, b, c, d):  # type: ignore[no-untyped-def]
     bx, by = points[b, 0] - x, points[b, 1] - y
     cx, cy = points[c, 0] - x, points[c, 1] - y
     of_a, of_b, of_c = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
-    sign: Any = sign_of_sum(  # type: ignore[call-arg]
+    sign = sign_of_sum(
         ax * ax + ay * ay - points[a, 2] + weight,
         of_a,
         bx * bx + by * by - points[b, 2] + weight,

@@ -9,18 +9,15 @@ grids, collinear and cocircular points are no special cases.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.power_diagram.grid import STEPS
 from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     FAR,
     FREE,
-    MESH,
     NOTHING,
     POINTS,
     SENTINELS,
@@ -35,8 +32,8 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
 from v3dcad.model import Ints
 
 
-@njit(WORD(MESH, WORD, WORD, WORD), **INLINED)
-def locate(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def locate(mesh: Triangulation, triangle: int, px: int, py: int) -> int:
     """The triangle whose closed area holds (px, py): a walk from `triangle`.
 
     Triangles seen from a point have no cyclic order in a regular triangulation, so it ends
@@ -59,8 +56,8 @@ def locate(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
         before, triangle = triangle, ahead
 
 
-@njit(types.boolean(MESH, WORD, WORD, WORD), **INLINED)
-def holds(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def holds(mesh: Triangulation, triangle: int, px: int, py: int) -> bool:
     """Whether (px, py) lies inside a triangle, not on its sides."""
     points, triangles = mesh.points, mesh.triangles
     for i in range(3):
@@ -71,8 +68,8 @@ def holds(mesh, triangle, px, py):  # type: ignore[no-untyped-def]
     return True
 
 
-@linked(WORD(MESH, WORD, WORD), **INTERNAL)
-def insert(mesh, point, triangle):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def insert(mesh: Triangulation, point: int, triangle: int) -> int:
     """Insert a point, or hide it; returns a triangle nearby. The search starts at `triangle`."""
     points, triangles, stack = mesh.points, mesh.triangles, mesh.stack
     triangle = locate(mesh, triangle, points[point, 0], points[point, 1])
@@ -109,8 +106,8 @@ def insert(mesh, point, triangle):  # type: ignore[no-untyped-def]
     return mesh.triangle_of[point]
 
 
-@njit(types.void(MESH, WORD), **UNCOUNTED)
-def build(mesh, count):  # type: ignore[no-untyped-def]
+@compiled(UNCOUNTED)
+def build(mesh: Triangulation, count: int) -> None:
     """Triangulate the first `count` points, sentinels among them, anew."""
     triangles, far = mesh.triangles, FAR
     for point in range(SENTINELS):
@@ -122,7 +119,7 @@ def build(mesh, count):  # type: ignore[no-untyped-def]
         triangles[0, i], triangles[1, i] = first, second
         triangles[0, ACROSS + i] = triangles[1, ACROSS + i] = NOTHING
     triangles[0, ACROSS + 1], triangles[1, ACROSS + 2] = 1, 0
-    mesh.count[POINTS], mesh.count[TRIANGLES], mesh.count[FREE] = count, 2, 0
+    mesh.counts[POINTS], mesh.counts[TRIANGLES], mesh.counts[FREE] = count, 2, 0
     triangle = 0
     for point in range(SENTINELS, count):
         triangle = insert(mesh, point, triangle)
@@ -141,7 +138,7 @@ def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
         triangles=np.empty((2 * (count + room), 6), np.int32),
         free=np.empty(2 * (count + room), np.int32),
         stack=np.empty(2 * (count + room), np.int32),
-        count=np.empty(3, np.int64),
+        counts=np.empty(3, np.int64),
     )
     mesh.points[SENTINELS:count, :2] = sites
     mesh.points[SENTINELS:count, 2] = weights
@@ -151,7 +148,7 @@ def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
 
 def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
     """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
-    corners = mesh.triangles[: mesh.count[TRIANGLES], :3]
+    corners = mesh.triangles[: mesh.counts[TRIANGLES], :3]
     corners = corners[corners[:, 0] != NOTHING].astype(np.int64) - SENTINELS
     ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]

@@ -7,13 +7,10 @@ number among the sites + 4. A triangle's corners are in counter-clockwise order,
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
-
-from v3dcad.geometry.compiled.arrays import POINT_ROWS, WORD
-from v3dcad.geometry.compiled.options import INLINED
+from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows, IntArray, IntRows
+from v3dcad.geometry.compiled.options import INLINED, compiled
 from v3dcad.geometry.power_diagram.grid import STEPS
 from v3dcad.geometry.power_diagram.predicates import orientation
 
@@ -33,7 +30,7 @@ ACROSS = 3
 
 
 POINTS, TRIANGLES, FREE = range(3)
-"""What `Triangulation.count` counts: points and triangle slots in use, and freed slots."""
+"""What `Triangulation.counts` counts: points and triangle slots in use, and freed slots."""
 
 
 STUCK, FLIP, HIDE_SECOND, HIDE_THIRD, FLIP_HIDE_SECOND, FLIP_HIDE_THIRD = range(6)
@@ -43,68 +40,71 @@ STUCK, FLIP, HIDE_SECOND, HIDE_THIRD, FLIP_HIDE_SECOND, FLIP_HIDE_THIRD = range(
 class Triangulation(NamedTuple):
     """Weighted points and triangles in arrays with room to grow."""
 
-    points: Any
+    points: IntRows
     """(p, 3) int64: x and y in grid steps, weight in steps²"""
-    triangle_of: Any
+    triangle_of: Int32Array
     """(p,) int32: one triangle at the point, or `NOTHING` where the point is hidden"""
-    triangles: Any
+    triangles: Int32Rows
     """(t, 6) int32: three corners, and the triangles across edges 0, 1 and 2"""
-    free: Any
+    free: Int32Array
     """(t,) int32: slots of triangles to be used again"""
-    stack: Any
+    stack: Int32Array
     """(t,) int32: room for insertions"""
-    count: Any
+    counts: IntArray
     """(3,) int64: `POINTS`, `TRIANGLES`, `FREE`"""
 
 
-ROW, TRIANGLE_ROWS = types.int32[::1], types.int32[:, ::1]
-
-
-MESH = TupleType([POINT_ROWS, ROW, TRIANGLE_ROWS, ROW, ROW, types.int64[::1]], Triangulation)
-
-
-@njit(WORD(TRIANGLE_ROWS, WORD, WORD), **INLINED)
-def edge_to(triangles, triangle, other):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def edge_to(triangles: Int32Rows, triangle: int, other: int) -> int:
     """Which edge of a triangle it shares with another."""
     if triangles[triangle, 3] == other:
         return 0
     return 1 if triangles[triangle, 4] == other else 2
 
 
-@njit(WORD(TRIANGLE_ROWS, WORD, WORD), **INLINED)
-def corner_at(triangles, triangle, point):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def corner_at(triangles: Int32Rows, triangle: int, point: int) -> int:
     """Which corner of a triangle a point is."""
     if triangles[triangle, 0] == point:
         return 0
     return 1 if triangles[triangle, 1] == point else 2
 
 
-@njit(types.void(TRIANGLE_ROWS, WORD, WORD, WORD), **INLINED)
-def _relink(triangles, triangle, before, now):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _relink(triangles: Int32Rows, triangle: int, before: int, now: int) -> None:
     if triangle != NOTHING:
         triangles[triangle, ACROSS + edge_to(triangles, triangle, before)] = now
 
 
-@njit(types.void(MESH, *[WORD] * 7), **INLINED)
-def _place(mesh, triangle, a, b, c, over_a, over_b, over_c):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _place(
+    mesh: Triangulation,
+    triangle: int,
+    a: int,
+    b: int,
+    c: int,
+    over_a: int,
+    over_b: int,
+    over_c: int,
+) -> None:
     triangles, triangle_of = mesh.triangles, mesh.triangle_of
     triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2] = a, b, c
     triangles[triangle, 3], triangles[triangle, 4], triangles[triangle, 5] = over_a, over_b, over_c
     triangle_of[a] = triangle_of[b] = triangle_of[c] = triangle
 
 
-@njit(WORD(MESH), **INLINED)
-def _slot_to_use(mesh):  # type: ignore[no-untyped-def]
-    count = mesh.count
-    if count[FREE] > 0:
-        count[FREE] -= 1
-        return mesh.free[count[FREE]]
-    count[TRIANGLES] += 1
-    return count[TRIANGLES] - 1
+@compiled(INLINED)
+def _slot_to_use(mesh: Triangulation) -> int:
+    counts = mesh.counts
+    if counts[FREE] > 0:
+        counts[FREE] -= 1
+        return mesh.free[counts[FREE]]
+    counts[TRIANGLES] += 1
+    return counts[TRIANGLES] - 1
 
 
-@njit(types.UniTuple(WORD, 2)(MESH, WORD, WORD), **INLINED)
-def split(mesh, triangle, point):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def split(mesh: Triangulation, triangle: int, point: int) -> tuple[int, int]:
     """Join a point to a triangle's corners; returns the two new slots.
 
     The point is the first corner of all three triangles.
@@ -121,8 +121,8 @@ def split(mesh, triangle, point):  # type: ignore[no-untyped-def]
     return second, third
 
 
-@njit(types.UniTuple(WORD, 4)(MESH, WORD, WORD), **INLINED)
-def plan(mesh, triangle, i):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def plan(mesh: Triangulation, triangle: int, i: int) -> tuple[int, int, int, int]:
     """What to do about edge i of a triangle, which is not regular.
 
     Let the corners be a, b, c from i on, and d the one across. Returns what, and three triangles:
@@ -158,8 +158,8 @@ def plan(mesh, triangle, i):  # type: ignore[no-untyped-def]
     return STUCK, other, near, far
 
 
-@njit(types.void(MESH, WORD, WORD, WORD), **INLINED)
-def _flip(mesh, triangle, i, other):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _flip(mesh: Triangulation, triangle: int, i: int, other: int) -> None:
     """Replace a, b, c and d, c, b by a, b, d and a, d, c."""
     triangles = mesh.triangles
     j = edge_to(triangles, other, triangle)
@@ -174,8 +174,8 @@ def _flip(mesh, triangle, i, other):  # type: ignore[no-untyped-def]
     _relink(triangles, beside_b, triangle, other)
 
 
-@njit(types.void(MESH, *[WORD] * 4, types.boolean), **INLINED)
-def _hide(mesh, triangle, i, other, third, second):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def _hide(mesh: Triangulation, triangle: int, i: int, other: int, third: int, second: bool) -> None:
     """Merge the three triangles of b (`second`) or c into `triangle`, with a first."""
     triangles = mesh.triangles
     j = edge_to(triangles, other, triangle)
@@ -193,13 +193,15 @@ def _hide(mesh, triangle, i, other, third, second):  # type: ignore[no-untyped-d
     _relink(triangles, beyond, third, triangle)
     mesh.triangle_of[hidden] = NOTHING
     triangles[other, 0] = triangles[third, 0] = NOTHING
-    freed = mesh.count[FREE]
+    freed = mesh.counts[FREE]
     mesh.free[freed], mesh.free[freed + 1] = other, third
-    mesh.count[FREE] = freed + 2
+    mesh.counts[FREE] = freed + 2
 
 
-@njit(types.void(MESH, *[WORD] * 6), **INLINED)
-def carry_out(mesh, triangle, i, kind, other, near, far):  # type: ignore[no-untyped-def]
+@compiled(INLINED)
+def carry_out(
+    mesh: Triangulation, triangle: int, i: int, kind: int, other: int, near: int, far: int
+) -> None:
     """Do what `plan` says. Corner a comes first in what is left: `triangle`, and, where there is
     a flip, `other`.
     """

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import ConstFloatArray
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.surface.splines import FLOAT, HEAP
 from v3dcad.geometry.surface.surfaces import CONE, CYLINDER, PLANE, REVOLUTION, SPHERE, TORUS
 
 POINTS, LINES, CIRCLE, ELLIPSE = range(4)
@@ -17,8 +15,10 @@ SLENDER = 1e-4
 """Ellipses more slender than this (minor ÷ major squared) are left as points."""
 
 
-@linked(types.Tuple([WORD, *[FLOAT] * 5])(HEAP, WORD, FLOAT, FLOAT, FLOAT), **INTERNAL)
-def conic_at(heap, place, height, x, y):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def conic_at(
+    heap: ConstFloatArray, place: int, height: float, x: float, y: float
+) -> tuple[int, float, float, float, float, float]:
     """What the plane z = height cuts from a surface, next to the point (x, y) of the section.
 
     Returns what it is, and centre x, y, vector of the major half axis x, y, and minor ÷ major.

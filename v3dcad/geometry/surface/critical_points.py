@@ -9,9 +9,16 @@ need nothing here: mesh edges that pass over them turn there.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstFloatStack,
+    ConstIntArray,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.mesh import SurfaceMesh, depth
 from v3dcad.geometry.surface.surfaces import CONE, SPHERE, TORUS, height_at
 from v3dcad.model import Floats, Ints
@@ -31,8 +38,81 @@ def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
     return order[found], parameters
 
 
-@njit(**COMPILED)
-def _search(heap, surfaces, corners, first):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _of_quadric(heap: ConstFloatArray, place: int, points: FloatRows) -> int:
+    """Where the normal of a sphere or torus is vertical: to `points` (4, 2); how many."""
+    up_x, up_y, up_z = heap[place + 6], heap[place + 9], heap[place + 12]
+    level = np.hypot(up_x, up_y)
+    if level <= 1e-9:
+        return 0
+    u = np.arctan2(up_y, up_x)
+    points[0, 0], points[0, 1] = u, np.arctan2(up_z, level)
+    points[1, 0], points[1, 1] = u + np.pi, np.arctan2(-up_z, level)
+    points[2, 0], points[2, 1] = u, np.arctan2(-up_z, -level)
+    points[3, 0], points[3, 1] = u + np.pi, np.arctan2(up_z, -level)
+    return 4 if int(heap[place]) == TORUS else 2
+
+
+@compiled(INTERNAL)
+def _zero_gradient(
+    heap: ConstFloatArray, place: int, u: float, v: float, step: float
+) -> tuple[bool, float, float]:
+    """Newton's method on ∂z/∂u = ∂z/∂v = 0, second derivatives by differences."""
+    for _ in range(15):
+        _, u_slope, v_slope = height_at(heap, place, u, v)
+        _, right_u, right_v = height_at(heap, place, u + step, v)
+        _, left_u, left_v = height_at(heap, place, u - step, v)
+        _, above_u, above_v = height_at(heap, place, u, v + step)
+        _, below_u, below_v = height_at(heap, place, u, v - step)
+        uu = (right_u - left_u) / (2 * step)
+        vv = (above_v - below_v) / (2 * step)
+        uv = (right_v - left_v + above_u - below_u) / (4 * step)
+        determinant = uu * vv - uv * uv
+        if abs(determinant) <= 1e-9 * (abs(uu * vv) + uv * uv) or determinant == 0:
+            return False, u, v
+        u_step = (uv * v_slope - vv * u_slope) / determinant
+        v_step = (uv * u_slope - uu * v_slope) / determinant
+        u, v = u + u_step, v + v_step
+        if max(abs(u_step), abs(v_step)) < 1e-4 * step:
+            return True, u, v
+    return False, u, v
+
+
+@compiled(ALLOCATING)
+def _of_triangle(
+    heap: ConstFloatArray, place: int, corners: ConstFloatRows, zeros: FloatRows
+) -> int:
+    """Zeros of the gradient in a triangle, sought in its four quarters: to `zeros` (4, 2); how
+    many.
+    """
+    points, gradients = np.empty((6, 2)), np.empty((6, 2))
+    for k in range(6):  # its corners, then the middles of its sides
+        one, other = k % 3, k if k < 3 else (k + 1) % 3
+        u, v = (corners[one, 0] + corners[other, 0]) / 2, (corners[one, 1] + corners[other, 1]) / 2
+        points[k, 0], points[k, 1] = u, v
+        _, gradients[k, 0], gradients[k, 1] = height_at(heap, place, u, v)
+    around = np.empty((3, 2))
+    count = 0
+    for quarter in ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)):
+        u = v = size = 0.0
+        for k in range(3):
+            at = quarter[k]
+            around[k, 0], around[k, 1] = gradients[at, 0], gradients[at, 1]
+            u, v = u + points[at, 0], v + points[at, 1]
+            size = max(size, abs(points[at, 0] - points[0, 0]), abs(points[at, 1] - points[0, 1]))
+        if depth(around, 0.0, 0.0) < -0.5:
+            continue
+        solved, u, v = _zero_gradient(heap, place, u / 3, v / 3, size * 1e-5)
+        if solved and depth(corners, u, v) > -0.05:
+            zeros[count, 0], zeros[count, 1] = u, v
+            count += 1
+    return count
+
+
+@compiled(ENTRY)
+def _search(
+    heap: ConstFloatArray, surfaces: ConstIntArray, corners: ConstFloatStack, first: ConstIntArray
+) -> tuple[IntArray, FloatRows]:
     triangles = np.empty(MOST_IN_ONE * (len(surfaces) + len(corners)), np.int64)
     found = np.empty((len(triangles), 2))
     points = np.empty((MOST_IN_ONE, 2))
@@ -73,70 +153,3 @@ def _search(heap, surfaces, corners, first):  # type: ignore[no-untyped-def]
                     found[count, 0], found[count, 1] = u, v
                     count += 1
     return triangles[:count], found[:count]
-
-
-@njit(**INTERNAL)
-def _of_quadric(heap, place, points):  # type: ignore[no-untyped-def]
-    """Where the normal of a sphere or torus is vertical: to `points` (4, 2); how many."""
-    up_x, up_y, up_z = heap[place + 6], heap[place + 9], heap[place + 12]
-    level = np.hypot(up_x, up_y)
-    if level <= 1e-9:
-        return 0
-    u = np.arctan2(up_y, up_x)
-    points[0, 0], points[0, 1] = u, np.arctan2(up_z, level)
-    points[1, 0], points[1, 1] = u + np.pi, np.arctan2(-up_z, level)
-    points[2, 0], points[2, 1] = u, np.arctan2(-up_z, -level)
-    points[3, 0], points[3, 1] = u + np.pi, np.arctan2(up_z, -level)
-    return 4 if int(heap[place]) == TORUS else 2
-
-
-@njit(**ALLOCATING)
-def _of_triangle(heap, place, corners, zeros):  # type: ignore[no-untyped-def]
-    """Zeros of the gradient in a triangle, sought in its four quarters: to `zeros` (4, 2); how
-    many.
-    """
-    points, gradients = np.empty((6, 2)), np.empty((6, 2))
-    for k in range(6):  # its corners, then the middles of its sides
-        one, other = k % 3, k if k < 3 else (k + 1) % 3
-        u, v = (corners[one, 0] + corners[other, 0]) / 2, (corners[one, 1] + corners[other, 1]) / 2
-        points[k, 0], points[k, 1] = u, v
-        _, gradients[k, 0], gradients[k, 1] = height_at(heap, place, u, v)
-    around = np.empty((3, 2))
-    count = 0
-    for quarter in ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)):
-        u = v = size = 0.0
-        for k in range(3):
-            at = quarter[k]
-            around[k, 0], around[k, 1] = gradients[at, 0], gradients[at, 1]
-            u, v = u + points[at, 0], v + points[at, 1]
-            size = max(size, abs(points[at, 0] - points[0, 0]), abs(points[at, 1] - points[0, 1]))
-        if depth(around, 0.0, 0.0) < -0.5:
-            continue
-        solved, u, v = _zero_gradient(heap, place, u / 3, v / 3, size * 1e-5)
-        if solved and depth(corners, u, v) > -0.05:
-            zeros[count, 0], zeros[count, 1] = u, v
-            count += 1
-    return count
-
-
-@njit(**INTERNAL)
-def _zero_gradient(heap, place, u, v, step):  # type: ignore[no-untyped-def]
-    """Newton's method on ∂z/∂u = ∂z/∂v = 0, second derivatives by differences."""
-    for _ in range(15):
-        _, u_slope, v_slope = height_at(heap, place, u, v)
-        _, right_u, right_v = height_at(heap, place, u + step, v)
-        _, left_u, left_v = height_at(heap, place, u - step, v)
-        _, above_u, above_v = height_at(heap, place, u, v + step)
-        _, below_u, below_v = height_at(heap, place, u, v - step)
-        uu = (right_u - left_u) / (2 * step)
-        vv = (above_v - below_v) / (2 * step)
-        uv = (right_v - left_v + above_u - below_u) / (4 * step)
-        determinant = uu * vv - uv * uv
-        if abs(determinant) <= 1e-9 * (abs(uu * vv) + uv * uv) or determinant == 0:
-            return False, u, v
-        u_step = (uv * v_slope - vv * u_slope) / determinant
-        v_step = (uv * u_slope - uu * v_slope) / determinant
-        u, v = u + u_step, v + v_step
-        if max(abs(u_step), abs(v_step)) < 1e-4 * step:
-            return True, u, v
-    return False, u, v

@@ -13,24 +13,31 @@ A curve is a stretch of numbers in a `heap`, found by the place of its first, wh
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstIntArray,
+    FloatArray,
+    FloatRows,
+)
+from v3dcad.geometry.compiled.intrinsics import stack_array
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
-from v3dcad.geometry.surface.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
+from v3dcad.geometry.surface.splines import basis, span_of, wrapped
 
 LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
 
 
-@njit(**INTERNAL)
-def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _spline_at(
+    heap: ConstFloatArray, place: int, t: float
+) -> tuple[float, float, float, float, float, float]:
     degree, count = int(heap[place + 1]), int(heap[place + 2])
     knots = place + 4
     poles = knots + count
     t = wrapped(t, heap[knots + degree], heap[poles - 1 - degree], heap[place + 3] > 0)
     span = span_of(heap, knots, count, degree, t)
-    values, slopes = on_stack(), on_stack()
+    values, slopes = stack_array(), stack_array()
     basis(heap, knots, span, degree, t, values, slopes)
     x = y = z = w = dx = dy = dz = dw = 0.0
     for r in range(degree + 1):
@@ -47,8 +54,10 @@ def _spline_at(heap, place, t):  # type: ignore[no-untyped-def]
     return x, y, z, (dx - x * dw) / w, (dy - y * dw) / w, (dz - z * dw) / w
 
 
-@linked(types.UniTuple(FLOAT, 6)(HEAP, WORD, FLOAT), **COMPILED)
-def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
+@linked(ENTRY)
+def curve_at(
+    heap: ConstFloatArray, place: int, t: float
+) -> tuple[float, float, float, float, float, float]:
     """Point and tangent of a curve at parameter t: x, y, z, dx, dy, dz."""
     kind = int(heap[place])
     if kind == SPLINE:
@@ -72,8 +81,8 @@ def curve_at(heap, place, t):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**COMPILED)
-def curve_points(heap, places, parameters):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def curve_points(heap: ConstFloatArray, places: ConstIntArray, parameters: FloatArray) -> FloatRows:
     """Points (k, 3) of curves (k,) at parameters (k,)."""
     points = np.empty((len(places), 3))
     for k in range(len(places)):

@@ -16,17 +16,21 @@ Rings that touch no such face are left alone.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntArray,
+    ConstIntRows,
+    FloatRows,
+    IntArray,
+    IntRows,
+)
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
+from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.mesh.section import SNAP, is_thin
 from v3dcad.geometry.surface.conics import LINES
-from v3dcad.geometry.surface.splines import FLOAT, ROWS
 from v3dcad.geometry.surface.surfaces import PLANE
-
-INT_ROWS = types.int64[:, ::1]
 
 GAPE = 1e-3
 """mm: a face whose edges may stand off it by more than this gapes."""
@@ -36,64 +40,43 @@ REACH = 8
 the runs beside it overshoot by as much, to and fro, and more where they meet at a flat angle."""
 
 
-@njit(**COMPILED)
-def mended(heap, surfaces, gapes, points, starts, runs, numbers, heights):  # type: ignore[no-untyped-def]
-    """The rings and runs of `surface_trace.trace`, which lie at heights (r,), mended where the
-    faces gape by `gapes` (f,), mm; in the same form.
+@compiled(INTERNAL)
+def _feet(
+    heap: ConstFloatArray, place: int, height: float, x: float, y: float, far_x: float, far_y: float
+) -> tuple[float, float, float, float]:
+    """The points nearest to two points on the line that z = height cuts from a plane, or next to
+    them from a lying cylinder: x, y, and x, y.
     """
-    room = len(points) + 2 * len(runs)
-    out = np.empty((room, 2))
-    new_starts = np.zeros(len(starts), np.int64)
-    new_runs = np.empty((room, 5), np.int64)
-    new_numbers = np.empty((room, numbers.shape[1]))
-    written = made = run = 0
-    for ring in range(len(starts) - 1):
-        path = points[starts[ring] : starts[ring + 1]]
-        first_run, gape = run, 0.0
-        while run < len(runs) and runs[run, 0] == ring:
-            gape = max(gape, gapes[runs[run, 4]])
-            run += 1
-        count, changed = len(path), False
-        if gape > 0.0:
-            own_runs = runs[first_run:run]
-            stepped, owner = _stepped(heap, surfaces, gapes, path, own_runs, heights[ring])
-            whole, owner, cut = _without_loops(stepped, owner, REACH * gape)
-            if is_thin(whole, gape):
-                count = 0
-            elif cut or len(stepped) > count:
-                path, count, changed = whole, len(whole), True
-        turn = 0
-        if changed:
-            while turn < count - 1 and owner[turn] == owner[turn - 1]:
-                turn += 1
-        for k in range(count):
-            here = (turn + k) % count
-            out[written + k, 0], out[written + k, 1] = path[here, 0], path[here, 1]
-            if changed and (k == 0 or owner[here] != owner[here - 1]):
-                _copy_run(runs, numbers, first_run + owner[here] // 2, new_runs, new_numbers, made)
-                new_runs[made, 1] = k
-                made += 1
-            if changed:
-                new_runs[made - 1, 2] = k + 1
-        if count and not changed:
-            for source in range(first_run, run):
-                _copy_run(runs, numbers, source, new_runs, new_numbers, made)
-                made += 1
-        written += count
-        new_starts[ring + 1] = written
-    return out[:written].copy(), new_starts, new_runs[:made].copy(), new_numbers[:made].copy()
+    a, b, rise = heap[place + 1], heap[place + 2], height - heap[place + 3]
+    e, f, g = heap[place + 10], heap[place + 11], heap[place + 12]
+    level = max(np.hypot(e, f), 1e-300)
+    if int(heap[place]) == PLANE:
+        across_x, across_y = e / level, f / level
+        aside = -g * rise / level
+    else:
+        across_x, across_y = -f / level, e / level
+        aside = np.sqrt(max(heap[place + 13] ** 2 - rise * rise, 0.0))
+        if ((x + far_x) / 2 - a) * across_x + ((y + far_y) / 2 - b) * across_y < 0.0:
+            aside = -aside
+    step = aside - (x - a) * across_x - (y - b) * across_y
+    far_step = aside - (far_x - a) * across_x - (far_y - b) * across_y
+    return (
+        x + step * across_x,
+        y + step * across_y,
+        far_x + far_step * across_x,
+        far_y + far_step * across_y,
+    )
 
 
-@linked(types.void(INT_ROWS, ROWS, WORD, INT_ROWS, ROWS, WORD), **INTERNAL)
-def _copy_run(runs, numbers, source, new_runs, new_numbers, made):  # type: ignore[no-untyped-def]
-    for column in range(runs.shape[1]):
-        new_runs[made, column] = runs[source, column]
-    for column in range(numbers.shape[1]):
-        new_numbers[made, column] = numbers[source, column]
-
-
-@njit(**ALLOCATING)
-def _stepped(heap, surfaces, gapes, ring, runs, height):  # type: ignore[no-untyped-def]
+@compiled(ALLOCATING)
+def _stepped(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    gapes: ConstFloatArray,
+    ring: ConstFloatRows,
+    runs: ConstIntRows,
+    height: float,
+) -> tuple[FloatRows, IntArray]:
     """The points of a ring with its straight runs put on their faces' lines.
 
     Returns points (p, 2), and whose the segment from each is: twice the run's place among the
@@ -136,34 +119,55 @@ def _stepped(heap, surfaces, gapes, ring, runs, height):  # type: ignore[no-unty
     return path[:written], owner[:written]
 
 
-@njit(**INTERNAL)
-def _feet(heap, place, height, x, y, far_x, far_y):  # type: ignore[no-untyped-def]
-    """The points nearest to two points on the line that z = height cuts from a plane, or next to
-    them from a lying cylinder: x, y, and x, y.
+@linked(INTERNAL)
+def _length(path: FloatRows, one: int, other: int) -> float:
+    return np.hypot(path[other, 0] - path[one, 0], path[other, 1] - path[one, 1])
+
+
+@compiled(INTERNAL)
+def _first_crossing(path: FloatRows, last: int, reach: float) -> tuple[int, float, float]:
+    """The first segment of a way that its segment to point `last` crosses, and where, if the loop
+    between is no longer than `reach`; −1 for none.
     """
-    a, b, rise = heap[place + 1], heap[place + 2], height - heap[place + 3]
-    e, f, g = heap[place + 10], heap[place + 11], heap[place + 12]
-    level = max(np.hypot(e, f), 1e-300)
-    if int(heap[place]) == PLANE:
-        across_x, across_y = e / level, f / level
-        aside = -g * rise / level
-    else:
-        across_x, across_y = -f / level, e / level
-        aside = np.sqrt(max(heap[place + 13] ** 2 - rise * rise, 0.0))
-        if ((x + far_x) / 2 - a) * across_x + ((y + far_y) / 2 - b) * across_y < 0.0:
-            aside = -aside
-    step = aside - (x - a) * across_x - (y - b) * across_y
-    far_step = aside - (far_x - a) * across_x - (far_y - b) * across_y
-    return (
-        x + step * across_x,
-        y + step * across_y,
-        far_x + far_step * across_x,
-        far_y + far_step * across_y,
-    )
+    found, at_x, at_y, passed = -1, 0.0, 0.0, 0.0
+    x, y = path[last - 1, 0], path[last - 1, 1]
+    way_x, way_y = path[last, 0] - x, path[last, 1] - y
+    for k in range(last - 3, -1, -1):
+        passed += _length(path, k + 1, k + 2)
+        if passed > reach:
+            break
+        from_x, from_y = path[k, 0] - x, path[k, 1] - y
+        step_x, step_y = path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1]
+        turn = way_x * step_y - way_y * step_x
+        if turn == 0.0:
+            continue
+        share = (from_x * step_y - from_y * step_x) / turn
+        back = (from_x * way_y - from_y * way_x) / turn
+        if min(share, back, 1 - share, 1 - back) < 0.0:
+            continue
+        ends = share * np.hypot(way_x, way_y) + (1 - back) * np.hypot(step_x, step_y)
+        if passed + ends <= reach:
+            found, at_x, at_y = k, x + share * way_x, y + share * way_y
+    return found, at_x, at_y
 
 
-@njit(**ALLOCATING)
-def _without_loops(path, owner, reach):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _turns_back(path: FloatRows, last: int, reach: float) -> bool:
+    """Whether a way comes back to point `last` as it went to the one before: a loop of no width."""
+    x, y = path[last - 1, 0], path[last - 1, 1]
+    from_x, from_y = path[last - 2, 0] - x, path[last - 2, 1] - y
+    to_x, to_y = path[last, 0] - x, path[last, 1] - y
+    shorter, longer = np.hypot(from_x, from_y), np.hypot(to_x, to_y)
+    shorter, longer = min(shorter, longer), max(shorter, longer)
+    if 2 * shorter > reach or from_x * to_x + from_y * to_y <= 0.0:
+        return False
+    return abs(from_x * to_y - from_y * to_x) <= SNAP * longer
+
+
+@compiled(ALLOCATING)
+def _without_loops(
+    path: FloatRows, owner: IntArray, reach: float
+) -> tuple[FloatRows, IntArray, bool]:
     """A ring (k, 2) with its loops no longer than `reach` cut off where it crosses itself.
 
     `owner` (k,) names whose the segment from each point is. Returns both and whether anything
@@ -212,46 +216,73 @@ def _without_loops(path, owner, reach):  # type: ignore[no-untyped-def]
     return kept[1 : top - 1], whose[1 : top - 1], cut
 
 
-@njit(**INTERNAL)
-def _first_crossing(path, last, reach):  # type: ignore[no-untyped-def]
-    """The first segment of a way that its segment to point `last` crosses, and where, if the loop
-    between is no longer than `reach`; −1 for none.
+@linked(INTERNAL)
+def _copy_run(
+    runs: ConstIntRows,
+    numbers: ConstFloatRows,
+    source: int,
+    new_runs: IntRows,
+    new_numbers: FloatRows,
+    made: int,
+) -> None:
+    for column in range(runs.shape[1]):
+        new_runs[made, column] = runs[source, column]
+    for column in range(numbers.shape[1]):
+        new_numbers[made, column] = numbers[source, column]
+
+
+@compiled(ENTRY)
+def mended(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    gapes: ConstFloatArray,
+    points: ConstFloatRows,
+    starts: ConstIntArray,
+    runs: ConstIntRows,
+    numbers: ConstFloatRows,
+    heights: ConstFloatArray,
+) -> tuple[FloatRows, IntArray, IntRows, FloatRows]:
+    """The rings and runs of `surface_trace.trace`, which lie at heights (r,), mended where the
+    faces gape by `gapes` (f,), mm; in the same form.
     """
-    found, at_x, at_y, passed = -1, 0.0, 0.0, 0.0
-    x, y = path[last - 1, 0], path[last - 1, 1]
-    way_x, way_y = path[last, 0] - x, path[last, 1] - y
-    for k in range(last - 3, -1, -1):
-        passed += _length(path, k + 1, k + 2)
-        if passed > reach:
-            break
-        from_x, from_y = path[k, 0] - x, path[k, 1] - y
-        step_x, step_y = path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1]
-        turn = way_x * step_y - way_y * step_x
-        if turn == 0.0:
-            continue
-        share = (from_x * step_y - from_y * step_x) / turn
-        back = (from_x * way_y - from_y * way_x) / turn
-        if min(share, back, 1 - share, 1 - back) < 0.0:
-            continue
-        ends = share * np.hypot(way_x, way_y) + (1 - back) * np.hypot(step_x, step_y)
-        if passed + ends <= reach:
-            found, at_x, at_y = k, x + share * way_x, y + share * way_y
-    return found, at_x, at_y
-
-
-@linked(FLOAT(ROWS, WORD, WORD), **INTERNAL)
-def _length(path, one, other):  # type: ignore[no-untyped-def]
-    return np.hypot(path[other, 0] - path[one, 0], path[other, 1] - path[one, 1])
-
-
-@linked(types.boolean(ROWS, WORD, FLOAT), **INTERNAL)
-def _turns_back(path, last, reach):  # type: ignore[no-untyped-def]
-    """Whether a way comes back to point `last` as it went to the one before: a loop of no width."""
-    x, y = path[last - 1, 0], path[last - 1, 1]
-    from_x, from_y = path[last - 2, 0] - x, path[last - 2, 1] - y
-    to_x, to_y = path[last, 0] - x, path[last, 1] - y
-    shorter, longer = np.hypot(from_x, from_y), np.hypot(to_x, to_y)
-    shorter, longer = min(shorter, longer), max(shorter, longer)
-    if 2 * shorter > reach or from_x * to_x + from_y * to_y <= 0.0:
-        return False
-    return abs(from_x * to_y - from_y * to_x) <= SNAP * longer
+    room = len(points) + 2 * len(runs)
+    out = np.empty((room, 2))
+    new_starts = np.zeros(len(starts), np.int64)
+    new_runs = np.empty((room, 5), np.int64)
+    new_numbers = np.empty((room, numbers.shape[1]))
+    written = made = run = 0
+    for ring in range(len(starts) - 1):
+        path = points[starts[ring] : starts[ring + 1]]
+        first_run, gape = run, 0.0
+        while run < len(runs) and runs[run, 0] == ring:
+            gape = max(gape, gapes[runs[run, 4]])
+            run += 1
+        count, changed = len(path), False
+        if gape > 0.0:
+            own_runs = runs[first_run:run]
+            stepped, owner = _stepped(heap, surfaces, gapes, path, own_runs, heights[ring])
+            whole, owner, cut = _without_loops(stepped, owner, REACH * gape)
+            if is_thin(whole, gape):
+                count = 0
+            elif cut or len(stepped) > count:
+                path, count, changed = whole, len(whole), True
+        turn = 0
+        if changed:
+            while turn < count - 1 and owner[turn] == owner[turn - 1]:
+                turn += 1
+        for k in range(count):
+            here = (turn + k) % count
+            out[written + k, 0], out[written + k, 1] = path[here, 0], path[here, 1]
+            if changed and (k == 0 or owner[here] != owner[here - 1]):
+                _copy_run(runs, numbers, first_run + owner[here] // 2, new_runs, new_numbers, made)
+                new_runs[made, 1] = k
+                made += 1
+            if changed:
+                new_runs[made - 1, 2] = k + 1
+        if count and not changed:
+            for source in range(first_run, run):
+                _copy_run(runs, numbers, source, new_runs, new_numbers, made)
+                made += 1
+        written += count
+        new_starts[ring + 1] = written
+    return out[:written].copy(), new_starts, new_runs[:made].copy(), new_numbers[:made].copy()

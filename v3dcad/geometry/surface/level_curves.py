@@ -3,41 +3,171 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstFloatStack,
+    ConstIntArray,
+    ConstIntRows,
+    FloatRows,
+    IntArray,
+    IntRows,
+)
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
+from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.mesh.section import SNAP, is_thin
 from v3dcad.geometry.surface.conics import CIRCLE, ELLIPSE, LINES, conic_at
-from v3dcad.geometry.surface.splines import FLOAT, HEAP, ROWS
 from v3dcad.geometry.surface.surfaces import surface_at
 
-PLACE = types.UniTuple(FLOAT, 4)
+CurvePoint = tuple[float, float, float, float]
 """A point of a level line on a surface: x, y, u, v."""
 
 MOST_HALVINGS = 10
 """Of the stretch between two mesh edges."""
 
 
-@njit(**COMPILED)
-def trace(  # type: ignore[no-untyped-def]
-    heap,
-    surfaces,
-    triangles,
-    corners,
-    faces,
-    sides,
-    edge_nodes,
-    edge_curves,
-    points,
-    shares,
-    edges,
-    crossed,
-    starts,
-    heights,
-    tolerance,
-):
+@linked(ALLOCATING)
+def _with_room(out: FloatRows, written: int, more: int) -> FloatRows:
+    """The array, or its content in a greater one if it has no room for more rows."""
+    if written + more <= len(out):
+        return out
+    grown = np.empty((2 * (written + more), 2))
+    for row in range(written):
+        grown[row, 0], grown[row, 1] = out[row, 0], out[row, 1]
+    return grown
+
+
+@compiled(INTERNAL)
+def _direction(x: float, y: float, a: float, b: float, c: float, d: float, ratio: float) -> float:
+    """The angle of a point on an ellipse, in the circle that the ellipse is squeezed from."""
+    x, y = x - a, y - b
+    return np.arctan2((y * c - x * d) / ratio, x * c + y * d)
+
+
+@compiled(INTERNAL)
+def _crossing(
+    triangles: ConstIntRows,
+    corners: ConstFloatStack,
+    sides: ConstIntRows,
+    edge_nodes: ConstIntRows,
+    triangle: int,
+    points: ConstFloatRows,
+    shares: ConstFloatArray,
+    edges: ConstIntArray,
+    crossing: int,
+) -> CurvePoint:
+    """A crossing on one of a triangle's sides: x, y, and its parameters on the surface."""
+    edge, share = edges[crossing], shares[crossing]
+    u, v = corners[triangle, 0, 0], corners[triangle, 0, 1]
+    for k in range(3):
+        if sides[triangle, k] == edge:
+            if triangles[triangle, k] != edge_nodes[edge, 0]:
+                share = 1 - share
+            after = (k + 1) % 3
+            u = (1 - share) * corners[triangle, k, 0] + share * corners[triangle, after, 0]
+            v = (1 - share) * corners[triangle, k, 1] + share * corners[triangle, after, 1]
+            break
+    return points[crossing, 0], points[crossing, 1], u, v
+
+
+@compiled(INTERNAL)
+def _between(
+    heap: ConstFloatArray,
+    place: int,
+    height: float,
+    one: CurvePoint,
+    other: CurvePoint,
+) -> tuple[bool, float, float, float, float]:
+    """The point of the level line half way between two of its points: Newton's method on
+    z(u, v) = height and (x, y) on the perpendicular bisector.
+    """
+    chord_x, chord_y = other[0] - one[0], other[1] - one[1]
+    middle_x, middle_y = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
+    length = np.hypot(chord_x, chord_y)
+    u, v = (one[2] + other[2]) / 2, (one[3] + other[3]) / 2
+    if length == 0.0:
+        return False, middle_x, middle_y, u, v
+    settled = False
+    for _ in range(12):
+        s = surface_at(heap, place, u, v)
+        rise = s[0][2] - height
+        along = (s[0][0] - middle_x) * chord_x + (s[0][1] - middle_y) * chord_y
+        if settled:
+            near = np.hypot(s[0][0] - middle_x, s[0][1] - middle_y) < length
+            return near, s[0][0], s[0][1], u, v
+        # One more step squares an error as small as this: down to rounding.
+        settled = abs(rise) < 1e-9 and abs(along) < 1e-6 * length * length
+        u_along = s[1][0] * chord_x + s[1][1] * chord_y
+        v_along = s[2][0] * chord_x + s[2][1] * chord_y
+        determinant = s[1][2] * v_along - s[2][2] * u_along
+        if determinant == 0.0:
+            break
+        u -= (rise * v_along - s[2][2] * along) / determinant
+        v -= (s[1][2] * along - u_along * rise) / determinant
+    return False, middle_x, middle_y, u, v
+
+
+@linked(ALLOCATING)
+def _follow(
+    heap: ConstFloatArray,
+    place: int,
+    height: float,
+    one: CurvePoint,
+    other: CurvePoint,
+    tolerance: float,
+    out: FloatRows,
+    written: int,
+) -> int:
+    """Write the first point and what is needed between it and the other, which is not written.
+
+    Both are x, y and parameters u, v.
+    """
+    depth = 0
+    ends = np.empty((MOST_HALVINGS + 2, 4))
+    halvings = np.zeros(MOST_HALVINGS + 2, np.int64)
+    ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = other
+    here = one
+    while depth >= 0:
+        there = ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3]
+        halved = False
+        if halvings[depth] < MOST_HALVINGS:
+            solved, x, y, u, v = _between(heap, place, height, here, there)
+            if solved:
+                chord_x, chord_y = there[0] - here[0], there[1] - here[1]
+                away = (x - here[0]) * chord_y - (y - here[1]) * chord_x
+                if abs(away) > tolerance * np.hypot(chord_x, chord_y):
+                    halvings[depth] += 1
+                    depth += 1
+                    halvings[depth] = halvings[depth - 1]
+                    ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = x, y, u, v
+                    halved = True
+        if not halved:
+            out[written, 0], out[written, 1] = here[0], here[1]
+            written += 1
+            here = there
+            depth -= 1
+    return written
+
+
+@compiled(ENTRY)
+def trace(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    triangles: ConstIntRows,
+    corners: ConstFloatStack,
+    faces: ConstIntArray,
+    sides: ConstIntRows,
+    edge_nodes: ConstIntRows,
+    edge_curves: ConstIntArray,
+    points: ConstFloatRows,
+    shares: ConstFloatArray,
+    edges: ConstIntArray,
+    crossed: ConstIntArray,
+    starts: ConstIntArray,
+    heights: ConstFloatArray,
+    tolerance: float,
+) -> tuple[FloatRows, IntArray, IntRows, FloatRows]:
     """Rings to the chord tolerance, with their runs.
 
     Returns points (q, 2), where each ring starts (r + 1,), runs as (ring, start, stop, curve,
@@ -130,103 +260,3 @@ def trace(  # type: ignore[no-untyped-def]
             written, made = base, first_run
         new_starts[ring + 1] = written
     return out[:written].copy(), new_starts, runs[:made], numbers[:made]
-
-
-@linked(ROWS(ROWS, WORD, WORD), **ALLOCATING)
-def _with_room(out, written, more):  # type: ignore[no-untyped-def]
-    """The array, or its content in a greater one if it has no room for more rows."""
-    if written + more <= len(out):
-        return out
-    grown = np.empty((2 * (written + more), 2))
-    for row in range(written):
-        grown[row, 0], grown[row, 1] = out[row, 0], out[row, 1]
-    return grown
-
-
-@njit(**INTERNAL)
-def _direction(x, y, a, b, c, d, ratio):  # type: ignore[no-untyped-def]
-    """The angle of a point on an ellipse, in the circle that the ellipse is squeezed from."""
-    x, y = x - a, y - b
-    return np.arctan2((y * c - x * d) / ratio, x * c + y * d)
-
-
-@njit(**INTERNAL)
-def _crossing(  # type: ignore[no-untyped-def]
-    triangles, corners, sides, edge_nodes, triangle, points, shares, edges, crossing
-):
-    """A crossing on one of a triangle's sides: x, y, and its parameters on the surface."""
-    edge, share = edges[crossing], shares[crossing]
-    u, v = corners[triangle, 0, 0], corners[triangle, 0, 1]
-    for k in range(3):
-        if sides[triangle, k] == edge:
-            if triangles[triangle, k] != edge_nodes[edge, 0]:
-                share = 1 - share
-            after = (k + 1) % 3
-            u = (1 - share) * corners[triangle, k, 0] + share * corners[triangle, after, 0]
-            v = (1 - share) * corners[triangle, k, 1] + share * corners[triangle, after, 1]
-            break
-    return points[crossing, 0], points[crossing, 1], u, v
-
-
-@njit(**INTERNAL)
-def _between(heap, place, height, one, other):  # type: ignore[no-untyped-def]
-    """The point of the level line half way between two of its points: Newton's method on
-    z(u, v) = height and (x, y) on the perpendicular bisector.
-    """
-    chord_x, chord_y = other[0] - one[0], other[1] - one[1]
-    middle_x, middle_y = (one[0] + other[0]) / 2, (one[1] + other[1]) / 2
-    length = np.hypot(chord_x, chord_y)
-    u, v = (one[2] + other[2]) / 2, (one[3] + other[3]) / 2
-    if length == 0.0:
-        return False, middle_x, middle_y, u, v
-    settled = False
-    for _ in range(12):
-        s = surface_at(heap, place, u, v)
-        rise = s[0][2] - height
-        along = (s[0][0] - middle_x) * chord_x + (s[0][1] - middle_y) * chord_y
-        if settled:
-            near = np.hypot(s[0][0] - middle_x, s[0][1] - middle_y) < length
-            return near, s[0][0], s[0][1], u, v
-        # One more step squares an error as small as this: down to rounding.
-        settled = abs(rise) < 1e-9 and abs(along) < 1e-6 * length * length
-        u_along = s[1][0] * chord_x + s[1][1] * chord_y
-        v_along = s[2][0] * chord_x + s[2][1] * chord_y
-        determinant = s[1][2] * v_along - s[2][2] * u_along
-        if determinant == 0.0:
-            break
-        u -= (rise * v_along - s[2][2] * along) / determinant
-        v -= (s[1][2] * along - u_along * rise) / determinant
-    return False, middle_x, middle_y, u, v
-
-
-@linked(WORD(HEAP, WORD, FLOAT, PLACE, PLACE, FLOAT, ROWS, WORD), **ALLOCATING)
-def _follow(heap, place, height, one, other, tolerance, out, written):  # type: ignore[no-untyped-def]
-    """Write the first point and what is needed between it and the other, which is not written.
-
-    Both are x, y and parameters u, v.
-    """
-    depth = 0
-    ends = np.empty((MOST_HALVINGS + 2, 4))
-    halvings = np.zeros(MOST_HALVINGS + 2, np.int64)
-    ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = other
-    here = one
-    while depth >= 0:
-        there = ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3]
-        halved = False
-        if halvings[depth] < MOST_HALVINGS:
-            solved, x, y, u, v = _between(heap, place, height, here, there)
-            if solved:
-                chord_x, chord_y = there[0] - here[0], there[1] - here[1]
-                away = (x - here[0]) * chord_y - (y - here[1]) * chord_x
-                if abs(away) > tolerance * np.hypot(chord_x, chord_y):
-                    halvings[depth] += 1
-                    depth += 1
-                    halvings[depth] = halvings[depth - 1]
-                    ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = x, y, u, v
-                    halved = True
-        if not halved:
-            out[written, 0], out[written, 1] = here[0], here[1]
-            written += 1
-            here = there
-            depth -= 1
-    return written

@@ -17,13 +17,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntArray,
+    FloatRows,
+)
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.curves import LINE, curve_at
-from v3dcad.geometry.surface.splines import FLOAT, HEAP
 from v3dcad.geometry.surface.surfaces import PLANE, height_at, surface_at
 from v3dcad.model import Floats, Ints, Value
 
@@ -62,8 +65,8 @@ class SurfaceMesh(Value):
     (`gapes`), else 0"""
 
 
-@njit(**INTERNAL)
-def depth(corners, u, v):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def depth(corners: ConstFloatRows, u: float, v: float) -> float:
     """The least barycentric coordinate of (u, v) in a triangle (3, 2); −inf if it is flat."""
     a, b, c = corners[0], corners[1], corners[2]
     area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -74,8 +77,10 @@ def depth(corners, u, v):  # type: ignore[no-untyped-def]
     return min(beside_b, beside_c, 1 - beside_b - beside_c)
 
 
-@njit(**COMPILED)
-def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def along_edge(
+    heap: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray, share: float
+) -> tuple[float, float, float, float]:
     """Point at a share of the way along a mesh edge, and its z slope: x, y, z, dz/dshare."""
     if curve >= 0:
         step = span[1] - span[0]
@@ -86,8 +91,10 @@ def along_edge(heap, surface, curve, span, share):  # type: ignore[no-untyped-de
     return s[0][0], s[0][1], s[0][2], s[1][2] * u_step + s[2][2] * v_step
 
 
-@njit(**INTERNAL)
-def _height_along(heap, surface, curve, span, share):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _height_along(
+    heap: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray, share: float
+) -> tuple[float, float]:
     """The z and dz/dshare of `along_edge`."""
     if curve >= 0:
         step = span[1] - span[0]
@@ -100,19 +107,10 @@ def _height_along(heap, surface, curve, span, share):  # type: ignore[no-untyped
     return z, u_slope * u_step + v_slope * v_step
 
 
-@njit(**COMPILED)
-def turning_points(heap, surfaces, faces, curves, spans):  # type: ignore[no-untyped-def]
-    """(e, 2) `turning_point` of every edge."""
-    turns = np.empty((len(faces), 2))
-    for edge in range(len(faces)):
-        turns[edge, 0], turns[edge, 1] = turning_point(
-            heap, surfaces[faces[edge]], curves[edge], spans[edge]
-        )
-    return turns
-
-
-@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, WORD, HEAP), **INTERNAL)
-def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def turning_point(
+    heap: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray
+) -> tuple[float, float]:
     """Share of the way at which an edge's height turns the most, and by how much above or below
     its nearer end (mm); 0 and 0 if it is monotone.
     """
@@ -141,8 +139,27 @@ def turning_point(heap, surface, curve, span):  # type: ignore[no-untyped-def]
     return found, best
 
 
-@linked(types.UniTuple(FLOAT, 2)(HEAP, WORD, HEAP, FLOAT, FLOAT), **INTERNAL)
-def project(heap, surface, point, u, v):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def turning_points(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    faces: ConstIntArray,
+    curves: ConstIntArray,
+    spans: ConstFloatRows,
+) -> FloatRows:
+    """(e, 2) `turning_point` of every edge."""
+    turns = np.empty((len(faces), 2))
+    for edge in range(len(faces)):
+        turns[edge, 0], turns[edge, 1] = turning_point(
+            heap, surfaces[faces[edge]], curves[edge], spans[edge]
+        )
+    return turns
+
+
+@linked(INTERNAL)
+def project(
+    heap: ConstFloatArray, surface: int, point: ConstFloatArray, u: float, v: float
+) -> tuple[float, float]:
     """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
     for _ in range(20):
         s = surface_at(heap, surface, u, v)

@@ -7,11 +7,19 @@ from heapq import heappop, heappush
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.compiled.options import ALLOCATING, COMPILED, INTERNAL
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntArray,
+    FloatRows,
+    FloatStack,
+    IntArray,
+    IntRows,
+)
+from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.curves import curve_at
 from v3dcad.geometry.surface.mesh import SurfaceMesh, depth, project, turning_point, turning_points
 from v3dcad.geometry.surface.surfaces import surface_at
@@ -36,9 +44,17 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
     while room <= max(MOST_SPLITS * len(mesh.edge_nodes), 64):
         tables = _tables(mesh, owners, room)
         splits = _refine(
-            *(mesh.heap, mesh.surfaces, tables),
-            *(len(mesh.nodes), len(mesh.triangles), len(mesh.edge_nodes), room),
-            *(triangles, parameters, turning, turns[turning]),
+            mesh.heap,
+            mesh.surfaces,
+            tables,
+            len(mesh.nodes),
+            len(mesh.triangles),
+            len(mesh.edge_nodes),
+            room,
+            triangles,
+            parameters,
+            turning,
+            turns[turning],
         )
         if splits >= 0:
             return _taken(mesh, tables, splits)
@@ -51,16 +67,16 @@ class _Tables(NamedTuple):
     triangles and three edges. Owners (e, 2) are the triangles beside each edge.
     """
 
-    nodes: Floats
-    triangles: Ints
-    corners: Floats
-    faces: Ints
-    sides: Ints
-    edge_nodes: Ints
-    edge_faces: Ints
-    edge_curves: Ints
-    edge_spans: Floats
-    owners: Ints
+    nodes: FloatRows
+    triangles: IntRows
+    corners: FloatStack
+    faces: IntArray
+    sides: IntRows
+    edge_nodes: IntRows
+    edge_faces: IntArray
+    edge_curves: IntArray
+    edge_spans: FloatRows
+    owners: IntRows
 
 
 ROWS = (1, 2, 2, 2, 2, 3, 3, 3, 3, 3)
@@ -92,10 +108,188 @@ def _with_room(rows: NDArray[Any], more: int, times: int) -> NDArray[Any]:
     return whole
 
 
-@njit(**COMPILED)
-def _refine(  # type: ignore[no-untyped-def]
-    heap, surfaces, mesh, node, triangle_count, edge_count, room, seeds, parameters, turning, turns
-):
+@compiled(INTERNAL)
+def _corner(mesh: _Tables, triangle: int, corner: int) -> tuple[int, float, float, int]:
+    """The node of a triangle's corner, its u and v, and the edge from there to the next."""
+    u, v = mesh.corners[triangle, corner, 0], mesh.corners[triangle, corner, 1]
+    return mesh.triangles[triangle, corner], u, v, mesh.sides[triangle, corner]
+
+
+@compiled(INTERNAL)
+def _set_edge(
+    mesh: _Tables,
+    edge: int,
+    first: int,
+    last: int,
+    face: int,
+    curve: int,
+    a: float,
+    b: float,
+    c: float,
+    d: float,
+) -> None:
+    mesh.edge_nodes[edge, 0], mesh.edge_nodes[edge, 1] = first, last
+    mesh.edge_faces[edge], mesh.edge_curves[edge] = face, curve
+    mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1] = a, b
+    mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = c, d
+
+
+@compiled(INTERNAL)
+def _set_triangle(
+    mesh: _Tables,
+    triangle: int,
+    face: int,
+    corners: tuple[
+        tuple[int, float, float, int], tuple[int, float, float, int], tuple[int, float, float, int]
+    ],
+) -> None:
+    """Each corner as `_corner` tells it."""
+    mesh.faces[triangle] = face
+    for k in range(3):
+        mesh.triangles[triangle, k], u, v, mesh.sides[triangle, k] = corners[k]
+        mesh.corners[triangle, k, 0], mesh.corners[triangle, k, 1] = u, v
+
+
+@compiled(INTERNAL)
+def _hand_over(mesh: _Tables, edge: int, giver: int, taker: int) -> None:
+    for k in range(2 if edge >= 0 else 0):
+        if mesh.owners[edge, k] == giver:
+            mesh.owners[edge, k] = taker
+
+
+@compiled(INTERNAL)
+def _insert(
+    mesh: _Tables, parent: int, u: float, v: float, node: int, triangle: int, edge: int
+) -> None:
+    """Divide a triangle into three at (u, v), where `node` is; rows from `triangle` and `edge` on
+    become the two new ones and the three spokes.
+    """
+    face = mesh.faces[parent]
+    for k in (1, 2, 0):  # the child that takes the parent's rows comes last
+        after = (k + 1) % 3
+        child = parent if k == 0 else triangle + k - 1
+        before = parent if k == 1 else triangle + (k + 1) % 3
+        first, first_u, first_v, side = _corner(mesh, parent, k)
+        last, last_u, last_v, _ = _corner(mesh, parent, after)
+        _set_edge(mesh, edge + k, node, first, face, -1, u, v, first_u, first_v)
+        corners = (
+            (node, u, v, edge + k),
+            (first, first_u, first_v, side),
+            (last, last_u, last_v, edge + after),
+        )
+        _set_triangle(mesh, child, face, corners)
+        _hand_over(mesh, side, parent, child)
+        mesh.owners[edge + k, 0], mesh.owners[edge + k, 1] = before, child
+
+
+@compiled(INTERNAL)
+def _set_node(
+    mesh: _Tables, node: int, heap: ConstFloatArray, place: int, u: float, v: float
+) -> None:
+    point, _, _ = surface_at(heap, place, u, v)
+    mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = point
+
+
+@compiled(ALLOCATING)
+def _look(
+    waiting: list[tuple[float, int, float]],
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    mesh: _Tables,
+    edge: int,
+) -> None:
+    """Have an edge split if it is not monotone."""
+    place = surfaces[mesh.edge_faces[edge]]
+    share, rise = turning_point(heap, place, mesh.edge_curves[edge], mesh.edge_spans[edge])
+    if rise > 0:
+        heappush(waiting, (-rise, edge, share))
+
+
+@compiled(INTERNAL)
+def _cut_edge(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    mesh: _Tables,
+    edge: int,
+    share: float,
+    node: int,
+    rest: int,
+) -> None:
+    """Cut an edge at a share of its way, where `node` is to be; `rest` becomes what follows."""
+    face, curve, last = mesh.edge_faces[edge], mesh.edge_curves[edge], mesh.edge_nodes[edge, 1]
+    a, b = mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1]
+    c, d = mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3]
+    if curve >= 0:
+        at = a + share * (b - a)
+        x, y, z, _, _, _ = curve_at(heap, curve, at)
+        mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = x, y, z
+        mesh.edge_spans[edge, 1] = at
+        _set_edge(mesh, rest, node, last, face, curve, at, b, 0.0, 0.0)
+    else:
+        u, v = a + share * (c - a), b + share * (d - b)
+        _set_node(mesh, node, heap, surfaces[face], u, v)
+        mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = u, v
+        _set_edge(mesh, rest, node, last, face, curve, u, v, c, d)
+    mesh.edge_nodes[edge, 1] = node
+
+
+@compiled(INTERNAL)
+def _bisect(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    mesh: _Tables,
+    triangle: int,
+    edge: int,
+    rest: int,
+    node: int,
+    first: int,
+    share: float,
+    beyond: int,
+    middle: int,
+) -> bool:
+    """Cut a triangle from the new node on its side `edge` to the opposite corner.
+
+    The part along `rest` becomes `beyond` if the triangle goes along the edge as the edge does,
+    which is returned, else the part along `edge` does.
+    """
+    face = mesh.faces[triangle]
+    k = 0
+    while k < 2 and mesh.sides[triangle, k] != edge:
+        k += 1
+    after, before = (k + 1) % 3, (k + 2) % 3
+    a, a_u, a_v, _ = _corner(mesh, triangle, k)
+    b, b_u, b_v, side_bc = _corner(mesh, triangle, after)
+    c, c_u, c_v, side_ca = _corner(mesh, triangle, before)
+    forward = a == first
+    portion = share if forward else 1 - share
+    u, v = a_u + portion * (b_u - a_u), a_v + portion * (b_v - a_v)
+    if mesh.edge_curves[edge] >= 0:
+        u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
+    _set_edge(mesh, middle, node, c, face, -1, u, v, c_u, c_v)
+    near, far = (edge, rest) if forward else (rest, edge)
+    corners = (a, a_u, a_v, near), (node, u, v, middle), (c, c_u, c_v, side_ca)
+    _set_triangle(mesh, triangle, face, corners)
+    corners = (node, u, v, far), (b, b_u, b_v, side_bc), (c, c_u, c_v, middle)
+    _set_triangle(mesh, beyond, face, corners)
+    mesh.owners[middle, 0], mesh.owners[middle, 1] = triangle, beyond
+    _hand_over(mesh, side_bc, triangle, beyond)
+    return forward
+
+
+@compiled(ENTRY)
+def _refine(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    mesh: _Tables,
+    node: int,
+    triangle_count: int,
+    edge_count: int,
+    room: int,
+    seeds: ConstIntArray,
+    parameters: ConstFloatRows,
+    turning: ConstIntArray,
+    turns: ConstFloatRows,
+) -> int:
     """Insert the seeds and split edges as long as one turns, in `_Tables` with room for more rows.
 
     `node`, `triangle_count` and `edge_count` say how many rows they have. Returns how often
@@ -145,131 +339,3 @@ def _refine(  # type: ignore[no-untyped-def]
         for new in range(rest, edge_count):
             _look(waiting, heap, surfaces, mesh, new)
     return node - first_node
-
-
-@njit(**ALLOCATING)
-def _look(waiting, heap, surfaces, mesh, edge):  # type: ignore[no-untyped-def]
-    """Have an edge split if it is not monotone."""
-    place = surfaces[mesh.edge_faces[edge]]
-    share, rise = turning_point(heap, place, mesh.edge_curves[edge], mesh.edge_spans[edge])
-    if rise > 0:
-        heappush(waiting, (-rise, edge, share))
-
-
-@njit(**INTERNAL)
-def _insert(  # type: ignore[no-untyped-def]
-    mesh, parent, u, v, node, triangle, edge
-):
-    """Divide a triangle into three at (u, v), where `node` is; rows from `triangle` and `edge` on
-    become the two new ones and the three spokes.
-    """
-    face = mesh.faces[parent]
-    for k in (1, 2, 0):  # the child that takes the parent's rows comes last
-        after = (k + 1) % 3
-        child = parent if k == 0 else triangle + k - 1
-        before = parent if k == 1 else triangle + (k + 1) % 3
-        first, first_u, first_v, side = _corner(mesh, parent, k)
-        last, last_u, last_v, _ = _corner(mesh, parent, after)
-        _set_edge(mesh, edge + k, node, first, face, -1, u, v, first_u, first_v)
-        corners = (
-            (node, u, v, edge + k),
-            (first, first_u, first_v, side),
-            (last, last_u, last_v, edge + after),
-        )
-        _set_triangle(mesh, child, face, corners)
-        _hand_over(mesh, side, parent, child)
-        mesh.owners[edge + k, 0], mesh.owners[edge + k, 1] = before, child
-
-
-@njit(**INTERNAL)
-def _cut_edge(  # type: ignore[no-untyped-def]
-    heap, surfaces, mesh, edge, share, node, rest
-):
-    """Cut an edge at a share of its way, where `node` is to be; `rest` becomes what follows."""
-    face, curve, last = mesh.edge_faces[edge], mesh.edge_curves[edge], mesh.edge_nodes[edge, 1]
-    a, b = mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1]
-    c, d = mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3]
-    if curve >= 0:
-        at = a + share * (b - a)
-        x, y, z, _, _, _ = curve_at(heap, curve, at)
-        mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = x, y, z
-        mesh.edge_spans[edge, 1] = at
-        _set_edge(mesh, rest, node, last, face, curve, at, b, 0.0, 0.0)
-    else:
-        u, v = a + share * (c - a), b + share * (d - b)
-        _set_node(mesh, node, heap, surfaces[face], u, v)
-        mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = u, v
-        _set_edge(mesh, rest, node, last, face, curve, u, v, c, d)
-    mesh.edge_nodes[edge, 1] = node
-
-
-@njit(**INTERNAL)
-def _bisect(  # type: ignore[no-untyped-def]
-    heap, surfaces, mesh, triangle, edge, rest, node, first, share, beyond, middle
-):
-    """Cut a triangle from the new node on its side `edge` to the opposite corner.
-
-    The part along `rest` becomes `beyond` if the triangle goes along the edge as the edge does,
-    which is returned, else the part along `edge` does.
-    """
-    face = mesh.faces[triangle]
-    k = 0
-    while k < 2 and mesh.sides[triangle, k] != edge:
-        k += 1
-    after, before = (k + 1) % 3, (k + 2) % 3
-    a, a_u, a_v, _ = _corner(mesh, triangle, k)
-    b, b_u, b_v, side_bc = _corner(mesh, triangle, after)
-    c, c_u, c_v, side_ca = _corner(mesh, triangle, before)
-    forward = a == first
-    portion = share if forward else 1 - share
-    u, v = a_u + portion * (b_u - a_u), a_v + portion * (b_v - a_v)
-    if mesh.edge_curves[edge] >= 0:
-        u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
-    _set_edge(mesh, middle, node, c, face, -1, u, v, c_u, c_v)
-    near, far = (edge, rest) if forward else (rest, edge)
-    corners = (a, a_u, a_v, near), (node, u, v, middle), (c, c_u, c_v, side_ca)
-    _set_triangle(mesh, triangle, face, corners)
-    corners = (node, u, v, far), (b, b_u, b_v, side_bc), (c, c_u, c_v, middle)
-    _set_triangle(mesh, beyond, face, corners)
-    mesh.owners[middle, 0], mesh.owners[middle, 1] = triangle, beyond
-    _hand_over(mesh, side_bc, triangle, beyond)
-    return forward
-
-
-@njit(**INTERNAL)
-def _set_edge(  # type: ignore[no-untyped-def]
-    mesh, edge, first, last, face, curve, a, b, c, d
-):
-    mesh.edge_nodes[edge, 0], mesh.edge_nodes[edge, 1] = first, last
-    mesh.edge_faces[edge], mesh.edge_curves[edge] = face, curve
-    mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1] = a, b
-    mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = c, d
-
-
-@njit(**INTERNAL)
-def _set_node(mesh, node, heap, place, u, v):  # type: ignore[no-untyped-def]
-    point, _, _ = surface_at(heap, place, u, v)
-    mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = point
-
-
-@njit(**INTERNAL)
-def _corner(mesh, triangle, corner):  # type: ignore[no-untyped-def]
-    """The node of a triangle's corner, its u and v, and the edge from there to the next."""
-    u, v = mesh.corners[triangle, corner, 0], mesh.corners[triangle, corner, 1]
-    return mesh.triangles[triangle, corner], u, v, mesh.sides[triangle, corner]
-
-
-@njit(**INTERNAL)
-def _set_triangle(mesh, triangle, face, corners):  # type: ignore[no-untyped-def]
-    """Each corner as `_corner` tells it."""
-    mesh.faces[triangle] = face
-    for k in range(3):
-        mesh.triangles[triangle, k], u, v, mesh.sides[triangle, k] = corners[k]
-        mesh.corners[triangle, k, 0], mesh.corners[triangle, k, 1] = u, v
-
-
-@njit(**INTERNAL)
-def _hand_over(mesh, edge, giver, taker):  # type: ignore[no-untyped-def]
-    for k in range(2 if edge >= 0 else 0):
-        if mesh.owners[edge, k] == giver:
-            mesh.owners[edge, k] = taker

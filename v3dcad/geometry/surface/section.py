@@ -12,9 +12,16 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 
 import numpy as np
-from numba import njit
 
-from v3dcad.geometry.compiled.options import COMPILED
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntArray,
+    ConstIntRows,
+    FloatArray,
+    FloatRows,
+)
+from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.geometry.mesh.section import (
     SNAP,
     MeshEdges,
@@ -138,10 +145,19 @@ def _sections(
         )
 
 
-@njit(**COMPILED)
-def _roots(  # type: ignore[no-untyped-def]
-    heap, surfaces, nodes, edge_nodes, edge_faces, edge_curves, edge_spans, chords, edges, heights
-):
+@compiled(ENTRY)
+def _roots(
+    heap: ConstFloatArray,
+    surfaces: ConstIntArray,
+    nodes: ConstFloatRows,
+    edge_nodes: ConstIntRows,
+    edge_faces: ConstIntArray,
+    edge_curves: ConstIntArray,
+    edge_spans: ConstFloatRows,
+    chords: ConstFloatRows,
+    edges: ConstIntArray,
+    heights: ConstFloatArray,
+) -> tuple[FloatRows, FloatArray]:
     """Move crossings from the mesh's chords to the true curves: points (p, 2), shares (p,)."""
     points = chords.copy()
     shares = np.empty(len(edges))

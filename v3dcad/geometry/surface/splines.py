@@ -6,38 +6,13 @@ Knots and poles lie in one array of numbers, the `heap`, at a given place: the e
 
 from __future__ import annotations
 
-from typing import Any
-
-from llvmlite import ir
-from numba import njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
-
-from v3dcad.geometry.compiled.options import INTERNAL
-
-FLOAT = types.float64
-HEAP = types.Array(FLOAT, 1, "C", readonly=True)
-ROWS = types.float64[:, ::1]
-"""What compiled code takes: a number, the heap, and points it may write to."""
+from v3dcad.geometry.compiled.arrays import ConstFloatArray
+from v3dcad.geometry.compiled.intrinsics import StackArray
+from v3dcad.geometry.compiled.options import INTERNAL, compiled
 
 
-MOST_POLES = 26
-"""In a span of a spline, along one parameter: OCCT makes none of a degree above 25."""
-
-
-def _on_stack(typing_context: Any) -> tuple[Any, Any]:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return cgutils.alloca_once(builder, ir.DoubleType(), MOST_POLES)
-
-    return types.CPointer(FLOAT)(), generate
-
-
-on_stack: Any = intrinsic(_on_stack)
-"""Where MOST_POLES numbers have room until the compiled function that asks for it returns."""
-
-
-@njit(**INTERNAL)
-def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def span_of(heap: ConstFloatArray, knots: int, count: int, degree: int, t: float) -> int:
     """The i with knot i ≤ t < knot i + 1, of a clamped knot vector of `count` knots at `knots`.
 
     Before the first and beyond the last knot the end spans go on.
@@ -54,8 +29,16 @@ def span_of(heap, knots, count, degree, t):  # type: ignore[no-untyped-def]
     return low
 
 
-@njit(**INTERNAL)
-def basis(heap, knots, span, degree, t, values, slopes):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def basis(
+    heap: ConstFloatArray,
+    knots: int,
+    span: int,
+    degree: int,
+    t: float,
+    values: StackArray,
+    slopes: StackArray,
+) -> None:
     """Write values and slopes (degree + 1,) of the basis functions that do not vanish on a span.
 
     Piegl and Tiller, The NURBS Book (1997), A2.2 and equation 2.7.
@@ -76,8 +59,8 @@ def basis(heap, knots, span, degree, t, values, slopes):  # type: ignore[no-unty
         values[order] = carried
 
 
-@njit(**INTERNAL)
-def wrapped(t, first, last, periodic):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def wrapped(t: float, first: float, last: float, periodic: bool) -> float:
     """The parameter t within first … last, where the curve is periodic."""
     if periodic and (t < first or t > last):
         return first + (t - first) % (last - first)

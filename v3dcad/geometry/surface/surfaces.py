@@ -19,13 +19,17 @@ kind. `frame` is origin, x, y and z axis, 12 numbers:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
 
-from v3dcad.geometry.compiled.arrays import WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstIntArray,
+    FloatRows,
+)
+from v3dcad.geometry.compiled.intrinsics import stack_array
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.curves import curve_at
-from v3dcad.geometry.surface.splines import FLOAT, HEAP, basis, on_stack, span_of, wrapped
+from v3dcad.geometry.surface.splines import basis, span_of, wrapped
 
 (
     PLANE,
@@ -39,12 +43,13 @@ from v3dcad.geometry.surface.splines import FLOAT, HEAP, basis, on_stack, span_o
     OFFSET,
 ) = range(9)
 
-VECTOR = types.UniTuple(FLOAT, 3)
-SURFACE_AT = types.UniTuple(VECTOR, 3)(HEAP, WORD, FLOAT, FLOAT)
+Vector = tuple[float, float, float]
+Derivatives = tuple[Vector, Vector, Vector]
+"""A point of a surface, and its derivatives by u and v."""
 
 
-@njit(**INTERNAL)
-def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _profile_at(heap: ConstFloatArray, place: int, v: float) -> tuple[float, float, float, float]:
     """The line or circle that makes a cylinder, cone, sphere or torus when turned about z: its
     reach from z, its rise along z, and their slopes.
     """
@@ -62,8 +67,8 @@ def _profile_at(heap, place, v):  # type: ignore[no-untyped-def]
     return radius + along, rise, -rise, along
 
 
-@njit(**INTERNAL)
-def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _spline_surface_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
     u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
     v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
     u_knots = place + 7
@@ -74,8 +79,8 @@ def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     v = wrapped(v, heap[v_knots + v_degree], heap[poles - 1 - v_degree], heap[place + 6] > 0)
     u_span = span_of(heap, u_knots, u_count, u_degree, u)
     v_span = span_of(heap, v_knots, v_count, v_degree, v)
-    u_values, u_slopes = on_stack(), on_stack()
-    v_values, v_slopes = on_stack(), on_stack()
+    u_values, u_slopes = stack_array(), stack_array()
+    v_values, v_slopes = stack_array(), stack_array()
     basis(heap, u_knots, u_span, u_degree, u, u_values, u_slopes)
     basis(heap, v_knots, v_span, v_degree, v, v_values, v_slopes)
     x = y = z = w = u_x = u_y = u_z = u_w = v_x = v_y = v_z = v_w = 0.0
@@ -99,28 +104,28 @@ def _spline_surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**INTERNAL)
-def _vector(heap, place):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _vector(heap: ConstFloatArray, place: int) -> Vector:
     return heap[place], heap[place + 1], heap[place + 2]
 
 
-@njit(**INTERNAL)
-def _plus(p, a, q):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _plus(p: Vector, a: float, q: Vector) -> Vector:
     return p[0] + a * q[0], p[1] + a * q[1], p[2] + a * q[2]
 
 
-@njit(**INTERNAL)
-def _times(a, p):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _times(a: float, p: Vector) -> Vector:
     return a * p[0], a * p[1], a * p[2]
 
 
-@njit(**INTERNAL)
-def _dot(p, q):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _dot(p: Vector, q: Vector) -> float:
     return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 
 
-@linked(SURFACE_AT, **INTERNAL)
-def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _plain_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
     kind = int(heap[place])
     if kind == SPLINE_SURFACE:
         return _spline_surface_at(heap, place, u, v)
@@ -155,15 +160,20 @@ def _plain_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**INTERNAL)
-def _offset_point(heap, place, u, v):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _offset_point(heap: ConstFloatArray, place: int, u: float, v: float) -> Vector:
     point, a, b = _plain_at(heap, int(heap[place + 2]), u, v)
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     return _plus(point, heap[place + 1] / np.sqrt(x * x + y * y + z * z), (x, y, z))
 
 
-@njit(**INTERNAL)
-def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _difference(p: Vector, q: Vector, step: float) -> Vector:
+    return (p[0] - q[0]) / step, (p[1] - q[1]) / step, (p[2] - q[2]) / step
+
+
+@compiled(INTERNAL)
+def _offset_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
     """The point is exact; the tangents, which only steer Newton steps, are differences."""
     step = 1e-6
     right, left = _offset_point(heap, place, u + step, v), _offset_point(heap, place, u - step, v)
@@ -175,21 +185,16 @@ def _offset_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**INTERNAL)
-def _difference(p, q, step):  # type: ignore[no-untyped-def]
-    return (p[0] - q[0]) / step, (p[1] - q[1]) / step, (p[2] - q[2]) / step
-
-
-@linked(SURFACE_AT, **COMPILED)
-def surface_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+@linked(ENTRY)
+def surface_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
     """Point and tangents of a surface at (u, v), three vectors: S, ∂S/∂u, ∂S/∂v."""
     if int(heap[place]) == OFFSET:
         return _offset_at(heap, place, u, v)
     return _plain_at(heap, place, u, v)
 
 
-@linked(VECTOR(HEAP, WORD, FLOAT, FLOAT), **INTERNAL)
-def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def height_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Vector:
     """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
     kind = int(heap[place])
     if kind < CYLINDER or kind > TORUS:
@@ -206,8 +211,10 @@ def height_at(heap, place, u, v):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**COMPILED)
-def surface_points(heap, places, parameters):  # type: ignore[no-untyped-def]
+@compiled(ENTRY)
+def surface_points(
+    heap: ConstFloatArray, places: ConstIntArray, parameters: FloatRows
+) -> FloatRows:
     """Points (k, 3) of surfaces (k,) at parameters (k, 2)."""
     points = np.empty((len(places), 3))
     for k in range(len(places)):

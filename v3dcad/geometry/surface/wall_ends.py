@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
-from v3dcad.geometry.compiled.options import COMPILED, INTERNAL
+from v3dcad.geometry.compiled.arrays import ConstFloatArray, ConstFloatRows, FloatRows
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
 from v3dcad.geometry.surface.mesh import SurfaceMesh, project
 from v3dcad.geometry.surface.surfaces import surface_at
@@ -76,8 +76,48 @@ def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, 
     return points[ids], runs
 
 
-@njit(**COMPILED)
-def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _solved(
+    heap: ConstFloatArray,
+    place: int,
+    height: float,
+    end: ConstFloatArray,
+    way: ConstFloatArray,
+    u: float,
+    v: float,
+) -> tuple[float, float, float, float, bool]:
+    """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
+    length = np.hypot(way[0], way[1])
+    across_x, across_y = -way[1] / length, way[0] / length
+    for _ in range(20):
+        s = surface_at(heap, place, u, v)
+        rise = s[0][2] - height
+        aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
+        if max(abs(rise), abs(aside)) < 1e-12:
+            break
+        u_aside = s[1][0] * across_x + s[1][1] * across_y
+        v_aside = s[2][0] * across_x + s[2][1] * across_y
+        determinant = s[1][2] * v_aside - s[2][2] * u_aside
+        if determinant == 0.0:
+            break
+        u -= (rise * v_aside - s[2][2] * aside) / determinant
+        v -= (s[1][2] * aside - u_aside * rise) / determinant
+    s = surface_at(heap, place, u, v)
+    aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
+    settled = abs(s[0][2] - height) < 1e-9 and abs(aside) < 1e-9
+    return u, v, s[0][0], s[0][1], settled
+
+
+@compiled(ENTRY)
+def _on_surface(
+    heap: ConstFloatArray,
+    place: int,
+    nodes: ConstFloatRows,
+    corners: ConstFloatRows,
+    height: float,
+    ends: ConstFloatRows,
+    ways: ConstFloatRows,
+) -> FloatRows:
     """Ends (k, 2) moved along lines (k, 2) to where z(u, v) = height, by Newton's method.
 
     It starts from the nearest of the face's mesh corners (their points and parameters), and from
@@ -117,27 +157,3 @@ def _on_surface(heap, place, nodes, corners, height, ends, ways):  # type: ignor
                 if corners[corner, 0] == start_u and corners[corner, 1] == start_v:
                     gaps[corner] = np.inf
     return moved
-
-
-@njit(**INTERNAL)
-def _solved(heap, place, height, end, way, u, v):  # type: ignore[no-untyped-def]
-    """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
-    length = np.hypot(way[0], way[1])
-    across_x, across_y = -way[1] / length, way[0] / length
-    for _ in range(20):
-        s = surface_at(heap, place, u, v)
-        rise = s[0][2] - height
-        aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
-        if max(abs(rise), abs(aside)) < 1e-12:
-            break
-        u_aside = s[1][0] * across_x + s[1][1] * across_y
-        v_aside = s[2][0] * across_x + s[2][1] * across_y
-        determinant = s[1][2] * v_aside - s[2][2] * u_aside
-        if determinant == 0.0:
-            break
-        u -= (rise * v_aside - s[2][2] * aside) / determinant
-        v -= (s[1][2] * aside - u_aside * rise) / determinant
-    s = surface_at(heap, place, u, v)
-    aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
-    settled = abs(s[0][2] - height) < 1e-9 and abs(aside) < 1e-9
-    return u, v, s[0][0], s[0][1], settled

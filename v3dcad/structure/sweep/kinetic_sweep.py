@@ -127,7 +127,7 @@ class Course:
 
     def _enter_newborns(self) -> None:
         """Enter the sites born since this was last asked for."""
-        count, epoch = int(self.mesh.count[POINTS]) - SENTINELS, self.epochs[-1]
+        count, epoch = int(self.mesh.counts[POINTS]) - SENTINELS, self.epochs[-1]
         if count == len(self._states):
             return
         number = np.arange(len(self._states), count)
@@ -145,7 +145,7 @@ class Course:
         while (epoch := self.epochs[-1]).start + int(self.motion.state[LAST]) < time:
             self._end_epoch()
             now = int(self.motion.state[LAST])
-            rows = slice(SENTINELS, int(self.mesh.count[POINTS]))
+            rows = slice(SENTINELS, int(self.mesh.counts[POINTS]))
             lives = self.mesh.triangle_of[rows] != NOTHING
             following = Epoch(
                 epoch.start + now,
@@ -198,7 +198,7 @@ class Course:
         """How all vertices have moved since the beginning; to be asked for once, at the end."""
         last = int(times_of(np.array([self.top]), self.growth_step, self.grid)[0])
         if self.times[0] == last:  # nothing has moved
-            corners = self.mesh.triangles[: self.mesh.count[TRIANGLES], :3]
+            corners = self.mesh.triangles[: self.mesh.counts[TRIANGLES], :3]
             corners = corners[corners[:, 0] != NOTHING].astype(np.int64)
             spans = np.tile([self.heights[0], self.top], (len(corners), 1))
             times = np.full(spans.shape, float(last - self.epochs[-1].start))
@@ -231,7 +231,7 @@ class Course:
 
     def _make_room(self, births: int) -> None:
         """Make room for more births, or else for more struts."""
-        if int(self.mesh.count[POINTS]) + births > len(self.mesh.points):
+        if int(self.mesh.counts[POINTS]) + births > len(self.mesh.points):
             some = births + len(self._curve) // 4 + 1
             self.mesh, self.motion = with_room(self.mesh, self.motion, some)
         else:
@@ -240,7 +240,7 @@ class Course:
 
     def _usual_rows(self, rings: Rings) -> int:
         """For how many vertices a run should have room: a few more than on the last layer."""
-        state, triangles = self._cut.state, int(self.mesh.count[TRIANGLES])
+        state, triangles = self._cut.state, int(self.mesh.counts[TRIANGLES])
         inner = int(state[VERTICES] + 2 * state[CROSSED]) or triangles
         return len(rings.areas) * (inner + 64) + 2 * len(rings.corners) + triangles
 
@@ -274,7 +274,7 @@ class Course:
             self.growth_step / (2 * self.slope) / self.grid.pitch,
             full_cell,
         )
-        self._leaps += (self._bottom + rim.born[: rim.count[0]] / self._rate).tolist()
+        self._leaps += (self._bottom + rim.born[: rim.counts[0]] / self._rate).tolist()
 
     def _layers(
         self, made: Run, areas: list[float], sections: Sequence[Section], index: int

@@ -6,28 +6,40 @@ of these has changed the graph, cut it anew; otherwise only the vertices have mo
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.clipping.interior import CROSSED, CUT, MOST, VERTICES, WHOLE
+from v3dcad.geometry.clipping.interior import CROSSED, MOST, VERTICES, WHOLE, Cut
 from v3dcad.geometry.clipping.planar_graph import place_vertices, write_edges
 from v3dcad.geometry.clipping.ring_walk import EDGE, INTO, OPEN, SEGMENT, walk_rings
 from v3dcad.geometry.clipping.update import count_cells, renew_cut
-from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, INT_ROWS, INTS, ROW, ROWS, WORD
+from v3dcad.geometry.compiled.arrays import (
+    ConstIntArray,
+    FloatRows,
+    Int32Array,
+    Int32Rows,
+    Int32Stack,
+    IntArray,
+    IntRows,
+)
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED
-from v3dcad.geometry.graphs.dynamic_spanning_tree import TREE, renew_tree, write_tree
-from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, LAST, MOTION, STRUTS, TOUCHED
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.graphs.dynamic_spanning_tree import Tree, renew_tree, write_tree
+from v3dcad.geometry.power_diagram.event_queue import (
+    EVERYTHING,
+    LAST,
+    STRUTS,
+    TOUCHED,
+    Motion,
+)
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance
-from v3dcad.geometry.power_diagram.triangle_mesh import MESH, POINTS
+from v3dcad.geometry.power_diagram.triangle_mesh import POINTS, Triangulation
 from v3dcad.structure.births import give_births
-from v3dcad.structure.holes import SHORTLIST
-from v3dcad.structure.rim import RIM
-from v3dcad.structure.spacing import SQUARES
-from v3dcad.structure.sweep.ring_arrays import RINGS
+from v3dcad.structure.holes import Shortlist
+from v3dcad.structure.rim import Rim
+from v3dcad.structure.spacing import Squares
+from v3dcad.structure.sweep.ring_arrays import Rings
 
 DONE, NEEDS_ROOM, JAMMED, EPOCH_OVER, OPEN_WALK, PAGES_FULL, WALKS_FULL = range(7)
 """How a run ended: after its last layer, for want of room or with a jam (as `advance` says), before
@@ -47,37 +59,33 @@ where they join each pair of neighbours once, and where its tree begins."""
 class Run(NamedTuple):
     """What a run of the layer loop makes. Arrays of all layers one behind the other."""
 
-    outcome: Any
+    outcome: IntArray
     """(3,) int64"""
-    rows: Any
+    rows: IntRows
     """(layers + 1, 7) int64"""
-    vertices: Any
+    vertices: FloatRows
     """(v, 2) float64 mm"""
-    edges: Any
+    edges: IntRows
     """(e, 2) int64"""
-    sites: Any
+    sites: IntRows
     """(e, 2) int64"""
-    tree: Any
+    tree: IntRows
     """(k, 2) int64"""
 
 
 class Walks(NamedTuple):
     """Room for the walks round a layer's rings, and round those of the layer before."""
 
-    crossings: Any
+    crossings: Int32Stack
     """(2, c, 4) int32"""
-    at: Any
+    at: FloatRows
     """(2, c) float64"""
-    next_on: Any
+    next_on: Int32Array
     """(c,) int32"""
-    begun_in: Any
-    """(rings,) int32: the cell that each ring of all layers begins in"""
-    seen: Any
+    begun_in: IntArray
+    """(rings,) int64: the cell that each ring of all layers begins in"""
+    seen: Int32Array
     """(p,) int32, zeros: in which cut a point's cell was last seen"""
-
-
-RUN = TupleType([INTS, INT_ROWS, FLOAT_ROWS, INT_ROWS, INT_ROWS, INT_ROWS], Run)
-WALKS = TupleType([types.int32[:, :, ::1], FLOAT_ROWS, ROW, ROW, ROW], Walks)
 
 
 def pages(layers: int, some: int) -> Run:
@@ -99,13 +107,13 @@ def walks(crossings: int, rings: int, points: int) -> Walks:
         crossings=np.empty((2, crossings, 4), np.int32),
         at=np.empty((2, crossings)),
         next_on=np.empty(crossings, np.int32),
-        begun_in=np.empty(rings, np.int32),
+        begun_in=np.empty(rings, np.int64),
         seen=np.zeros(points, np.int32),
     )
 
 
-@njit([types.boolean(INTS, INTS), types.boolean(ROW, ROW)], **INTERNAL)
-def _same_numbers(before, now):  # type: ignore[no-untyped-def]
+@compiled(INTERNAL)
+def _same_numbers(before: IntArray, now: IntArray) -> bool:
     if len(before) != len(now):
         return False
     for place in range(len(now)):  # noqa: SIM110
@@ -114,8 +122,8 @@ def _same_numbers(before, now):  # type: ignore[no-untyped-def]
     return True
 
 
-@linked(types.boolean(ROWS, WORD, ROWS, WORD), **INTERNAL)
-def _same_crossings(before, count_before, now, count):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _same_crossings(before: Int32Rows, count_before: int, now: Int32Rows, count: int) -> bool:
     if count != count_before:
         return False
     for crossing in range(count):
@@ -128,8 +136,8 @@ def _same_crossings(before, count_before, now, count):  # type: ignore[no-untype
     return True
 
 
-@linked(types.boolean(MESH, MOTION, ROW, WORD), **INTERNAL)
-def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
+@linked(INTERNAL)
+def _touches(mesh: Triangulation, motion: Motion, seen: Int32Array, token: int) -> bool:
     """Whether a touched triangle is at a cell that rings pass."""
     if motion.state[TOUCHED] == EVERYTHING:
         return True
@@ -142,17 +150,26 @@ def _touches(mesh, motion, seen, token):  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(
-    types.void(
-        MESH, MOTION, CUT, TREE, SQUARES, SHORTLIST, RIM, INTS, RINGS, INTS, WALKS, RUN,
-        *[types.float64] * 5,
-    ),
-    **UNCOUNTED,
-)  # fmt: skip
-def run(  # type: ignore[no-untyped-def]
-    mesh, motion, cut, tree, squares, shortlist, rim, site_of, rings, times, walks, made, left,
-    low, pitch, reach, full_cell,
-):  # fmt: skip
+@compiled(UNCOUNTED)
+def run(
+    mesh: Triangulation,
+    motion: Motion,
+    cut: Cut,
+    tree: Tree,
+    squares: Squares,
+    shortlist: Shortlist,
+    rim: Rim,
+    site_of: ConstIntArray,
+    rings: Rings,
+    times: ConstIntArray,
+    walks: Walks,
+    made: Run,
+    left: float,
+    low: float,
+    pitch: float,
+    reach: float,
+    full_cell: float,
+) -> None:
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
     `cut` and `tree` are those of the layer before; newborns from outside are noted in `rim`.
@@ -200,11 +217,11 @@ def run(  # type: ignore[no-untyped-def]
             # No place has two newborns, however small the first layer's cells were.
             wanted = np.ceil(rings.areas[layer] / full_cell - 1e-9) - live_cells
             wanted = int(min(wanted, float(cut.state[VERTICES] + count)))
-            given = motion.born[mesh.count[POINTS] - 1] == times[layer]
+            given = motion.born[mesh.counts[POINTS] - 1] == times[layer]
             if given or wanted <= 0:
                 break
             if (
-                mesh.count[POINTS] + wanted > len(mesh.points)
+                mesh.counts[POINTS] + wanted > len(mesh.points)
                 or len(motion.spans) - motion.state[STRUTS] < 8 * wanted + 64
             ):
                 outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
@@ -234,8 +251,8 @@ def run(  # type: ignore[no-untyped-def]
             )  # fmt: skip
             renew_tree(mesh, cut, tree)
             row = rows[graph, TREE_ROW]
-            if row + mesh.count[POINTS] > len(made.tree):
-                outcome[STATUS], outcome[ROOM] = PAGES_FULL, mesh.count[POINTS]
+            if row + mesh.counts[POINTS] > len(made.tree):
+                outcome[STATUS], outcome[ROOM] = PAGES_FULL, mesh.counts[POINTS]
                 break
             rows[graph + 1, TREE_ROW] = write_tree(mesh, tree, site_of, made.tree, row)
             after_before, begun_before = after, begun_in
@@ -249,6 +266,6 @@ def run(  # type: ignore[no-untyped-def]
         )  # fmt: skip
         before, crossings, count_before = crossings, before, count
         at_before, at = at, at_before
-        rows[layer, POINT_COUNT] = mesh.count[POINTS]
+        rows[layer, POINT_COUNT] = mesh.counts[POINTS]
         rows[layer, CELLS], rows[layer, GRAPH] = live_cells, graph
         outcome[LAYERS] = layer + 1

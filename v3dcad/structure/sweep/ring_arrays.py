@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.compiled.arrays import FLOAT_ROWS, FLOATS, INTS
+from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Section
 
@@ -19,21 +18,18 @@ HAIR = 2.0**-20
 class Rings(NamedTuple):
     """The rings of some layers' sections."""
 
-    corners: Any
+    corners: FloatRows
     """(r, 2) float64 mm"""
-    stepped: Any
+    stepped: FloatRows
     """(r, 2) float64 grid steps: where they are walked"""
-    after: Any
+    after: IntArray
     """(r,) int64: which of its layer's corners follows each on its ring"""
-    starts: Any
+    starts: IntArray
     """(rings + 1,) int64: where each ring begins"""
-    layers: Any
+    layers: IntArray
     """(layers + 1,) int64: where each layer's rings begin"""
-    areas: Any
+    areas: FloatArray
     """(layers,) float64 mm²: positive where outer rings run counter-clockwise"""
-
-
-RINGS = TupleType([FLOAT_ROWS, FLOAT_ROWS, INTS, INTS, INTS, FLOATS], Rings)
 
 
 def rings_of(sections: Sequence[Section], grid: Grid) -> Rings:
