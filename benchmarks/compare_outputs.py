@@ -35,7 +35,7 @@ COMMANDS = {
     "columns": f"fill SAMPLES/bracket.step --out . --no-insertion --offset 0 {COARSE}",
     **{
         f"step-{form}": f"fill SAMPLES/bracket.step --step p.step --step-as {form} --sites 6 "
-        f"--layer-height {2 if form == 'beads' else 0.6} --thickness 1 --diameter 1"
+        "--layer-height 0.6 --thickness 1 --diameter 1"
         for form in ("faces", "cells", "solid", "struts", "beads")
     },
     **{
@@ -45,7 +45,7 @@ COMMANDS = {
     },
     "thesis-cone": f"fill SAMPLES/cone.step --out . --method thesis --base-clearance 0.1 {COARSE}",
     "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 2",
-    "thesis-loft": f"fill SAMPLES/pyramid.step --out . --method thesis --interpolate {COARSE}",
+    "thesis-loft": f"fill SAMPLES/cone.step --out . --method thesis --interpolate {COARSE}",
     "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",
     "tree": f"fill SAMPLES/islands.step --gcode p.gcode --route tree --contour centre {COARSE}",
     "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
