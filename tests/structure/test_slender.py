@@ -12,7 +12,7 @@ from v3dcad import FillSettings, GeometryError, Section, fill_sections
 from v3dcad.geometry.power_diagram.epochs import FIRST
 from v3dcad.geometry.power_diagram.grid import HEAVIEST, STEPS, UTMOST
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
-from v3dcad.geometry.power_diagram.triangle_mesh import POINTS, SENTINELS
+from v3dcad.geometry.power_diagram.triangle_mesh import SENTINELS
 from v3dcad.model import Layer
 from v3dcad.structure.checksum import structure_checksum
 from v3dcad.structure.fill import Filling
@@ -105,7 +105,7 @@ def test_what_climbs_is_what_is_built_from_scratch(name: str) -> None:
     assert course is not None
     mesh, sites, epoch = course.mesh, course.sites(), course.epochs[-1]
     time = int(course.times[-1])
-    rows = slice(SENTINELS, int(mesh.counts[POINTS]))
+    rows = slice(SENTINELS, int(mesh.counts.points))
     base, growth = epoch.counts(sites.base, sites.growth, sites.born)
     np.testing.assert_array_equal(mesh.points[rows, 2], base + growth * (time - epoch.start))
     # All sites of the recorded weights, the heaviest 0: who has none of the frame is the same.

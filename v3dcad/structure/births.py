@@ -21,14 +21,13 @@ from v3dcad.geometry.clipping.interior import Cut
 from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
-from v3dcad.geometry.power_diagram.event_queue import LAST, MOST, NOW, Motion
+from v3dcad.geometry.power_diagram.event_queue import Motion
 from v3dcad.geometry.power_diagram.grid import HEAVIEST
 from v3dcad.geometry.power_diagram.kinetic_triangulation import add_point
 from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.regular_triangulation import holds, locate
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     NOTHING,
-    POINTS,
     Triangulation,
 )
 from v3dcad.structure.holes import (
@@ -158,12 +157,12 @@ def newborn_at(points: IntRows, growth: IntArray, a: int, b: int, c: int) -> tup
 @compiled(INLINED)
 def _enter(mesh: Triangulation, motion: Motion, q: int, grows: int) -> None:
     """Let the point q, which has its place and its weight of now, be the last of all points."""
-    weight, time = mesh.points[q, 2], motion.state[NOW]
+    weight, time = mesh.points[q, 2], motion.state.now
     motion.growth[q], motion.base[q] = grows, weight - grows * time
     motion.born[q] = time
-    mesh.counts[POINTS] += 1
+    mesh.counts.points += 1
     # The epoch ends before it leaves the safe range.
-    motion.state[LAST] = min(motion.state[LAST], time + (HEAVIEST - weight) // max(grows, 1))
+    motion.state.last = min(motion.state.last, time + (HEAVIEST - weight) // max(grows, 1))
 
 
 @linked(INTERNAL)
@@ -180,7 +179,7 @@ def _come_in(
     """Enter a newborn for the hole at a crossing; returns the triangle that it stands in, or
     `NOTHING` where it cannot be. It is not joined to it yet.
     """
-    points, growth, q = mesh.points, motion.growth, mesh.counts[POINTS]
+    points, growth, q = mesh.points, motion.growth, mesh.counts.points
     i, j = cells_at(mesh, crossings, crossing)
     x, y = moved_out(points, rim.corners, i, j)
     east, north = rim.corners[2, 0], rim.corners[2, 1]
@@ -194,7 +193,11 @@ def _come_in(
         return NOTHING
     weight, pace = touching(mesh, growth, rim, x, y)
     grows = int(np.floor(pace)) + LEAD
-    if weight + MARGIN >= HEAVIEST or weight - MARGIN <= -HEAVIEST or grows > motion.state[MOST]:
+    if (
+        weight + MARGIN >= HEAVIEST
+        or weight - MARGIN <= -HEAVIEST
+        or grows > motion.state.most_growth
+    ):
         return NOTHING
     if too_near(mesh, growth, squares, before, x, y, grows, reach) != NOTHING:
         return NOTHING
@@ -203,7 +206,7 @@ def _come_in(
         return NOTHING
     mesh.triangle_of[q] = NOTHING
     _enter(mesh, motion, q, grows)
-    rim.born[rim.counts[0]] = motion.state[NOW]
+    rim.born[rim.counts[0]] = motion.state.now
     rim.counts[0] += 1
     return triangle
 
@@ -229,7 +232,7 @@ def give_births(
     and log.
     """
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
-    before, born, outer, within = mesh.counts[POINTS], 0, NOTHING, NOTHING
+    before, born, outer, within = mesh.counts.points, 0, NOTHING, NOTHING
     heap, places, parents = shortlist.heap, shortlist.places, shortlist.parents
     list_points(mesh, growth, squares)
     size_rim(mesh, rim, crossings, count)
@@ -251,7 +254,7 @@ def give_births(
         while born < wanted:
             largest = float(heap[0]) if length > 0 else shortlist.bar[0]
             if outer == NOTHING and widest != NOTHING and rim.sizes[widest] > largest:
-                q = mesh.counts[POINTS]
+                q = mesh.counts.points
                 within = _come_in(mesh, motion, squares, rim, crossings, widest, before, reach)
                 rim.sizes[widest] = 0
                 widest = largest_of(mesh, rim, crossings, count)
@@ -269,9 +272,9 @@ def give_births(
             if max(a, b, c) >= before:  # a newborn has just been put here
                 continue
             shortlist.listed[triangle] = BARREN  # unless it changes, as it does with a newborn
-            q = mesh.counts[POINTS]
+            q = mesh.counts.points
             x, y, grows = newborn_at(points, growth, a, b, c)
-            if grows > motion.state[MOST]:
+            if grows > motion.state.most_growth:
                 continue
             if not holds(mesh, triangle, x, y):  # a sliver that no grid point lies in
                 continue

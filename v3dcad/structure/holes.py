@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.clipping.interior import FRESH, TOO_MANY, VERTICES, Cut
+from v3dcad.geometry.clipping.interior import TOO_MANY, Cut
 from v3dcad.geometry.compiled.arrays import FloatArray, Int32Array, Int32Rows, IntArray
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
@@ -85,12 +85,12 @@ def list_holes(mesh: Triangulation, cut: Cut, shortlist: Shortlist, share: float
     for place in range(length[0]):
         if listed[shortlist.holes[place]] == LISTED:
             listed[shortlist.holes[place]] = 0
-    if cut.state[FRESH] == TOO_MANY:
+    if cut.state.fresh == TOO_MANY:
         listed[:] = 0
-    for place in range(cut.state[FRESH]):
+    for place in range(cut.state.fresh):
         listed[cut.fresh[place]] = 0
     largest, total = 0, 0.0
-    for vertex in range(cut.state[VERTICES]):
+    for vertex in range(cut.state.vertices):
         triangle = cut.corners[vertex, 0]
         size = size_of(mesh, triangle)
         total += size
@@ -98,10 +98,10 @@ def list_holes(mesh: Triangulation, cut: Cut, shortlist: Shortlist, share: float
             listed[triangle] = 0
         if listed[triangle] == 0:
             largest = max(largest, size)
-    mean = total / max(cut.state[VERTICES], 1)
+    mean = total / max(cut.state.vertices, 1)
     shortlist.bar[0] = mean + share * (largest - mean) if share > 0 else -1.0
-    cut.state[FRESH] = length[0] = 0
-    for vertex in range(cut.state[VERTICES]):
+    cut.state.fresh = length[0] = 0
+    for vertex in range(cut.state.vertices):
         _consider(mesh, cut, shortlist, cut.corners[vertex, 0])
 
 
@@ -110,9 +110,9 @@ def look_again(mesh: Triangulation, cut: Cut, shortlist: Shortlist) -> bool:
     """Whether the shortlist still holds: then what is new is on it, too."""
     holes, listed, length = shortlist.holes, shortlist.listed, shortlist.length
     kept = 0
-    if cut.state[FRESH] == TOO_MANY:
+    if cut.state.fresh == TOO_MANY:
         return False
-    for place in range(cut.state[FRESH]):
+    for place in range(cut.state.fresh):
         if listed[cut.fresh[place]] != LISTED:
             listed[cut.fresh[place]] = 0
     for place in range(length[0]):
@@ -125,7 +125,7 @@ def look_again(mesh: Triangulation, cut: Cut, shortlist: Shortlist) -> bool:
             holes[kept] = triangle
             kept += 1
     length[0] = kept
-    for place in range(cut.state[FRESH]):
+    for place in range(cut.state.fresh):
         _consider(mesh, cut, shortlist, cut.fresh[place])
-    cut.state[FRESH] = 0
+    cut.state.fresh = 0
     return True

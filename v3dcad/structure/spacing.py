@@ -12,7 +12,6 @@ from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.grid import STEPS
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     NOTHING,
-    POINTS,
     SENTINELS,
     Triangulation,
 )
@@ -58,13 +57,13 @@ def list_points(mesh: Triangulation, growth: IntArray, squares: Squares) -> None
     """List the points that are not listed yet."""
     points, first, following = mesh.points, squares.first, squares.following
     side = int(np.sqrt(len(first)))
-    for point in range(squares.state[COUNT], mesh.counts[POINTS]):
+    for point in range(squares.state[COUNT], mesh.counts.points):
         row, column = points[point, 1] * side // STEPS, points[point, 0] * side // STEPS
         square = min(row, side - 1) * side + min(column, side - 1)
         following[point] = first[square]
         first[square] = point
         squares.state[FASTEST] = max(squares.state[FASTEST], growth[point])
-    squares.state[COUNT] = mesh.counts[POINTS]
+    squares.state[COUNT] = mesh.counts.points
 
 
 @linked(INTERNAL)
@@ -99,7 +98,7 @@ def too_near(
                 ):
                     return point
                 point = squares.following[point]
-    for point in range(before, mesh.counts[POINTS]):
+    for point in range(before, mesh.counts.points):
         if not is_apart(points, growth, point, x, y, grows, reach):
             return point
     return NOTHING

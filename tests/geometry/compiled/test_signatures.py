@@ -11,6 +11,7 @@ from numba import types
 from v3dcad.geometry.compiled import arrays
 from v3dcad.geometry.compiled.arrays import ConstFloatRows, FloatRows, IntArray
 from v3dcad.geometry.compiled.options import ENTRY, compiled
+from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.compiled.signatures import numba_type, signature_of
 
 ARRAYS = [
@@ -75,3 +76,24 @@ def total(bundle: Bundle) -> int:
 
 def test_compiled_functions_take_bundles() -> None:
     assert total(Bundle(np.arange(5), np.zeros((1, 2)))) == 10
+
+
+class Counts(Record):
+    """Two numbers."""
+
+    rows: int
+    total: int
+
+
+@compiled({**ENTRY, "cache": False})
+def count(counts: Counts, numbers: IntArray) -> None:
+    for number in numbers:
+        counts.rows += 1
+        counts.total += number
+
+
+def test_what_compiled_functions_write_into_records_shows() -> None:
+    counts = Counts.of(total=10)
+    assert (counts.rows, counts.total) == (0, 10)
+    count(counts, np.arange(5))
+    assert (counts.rows, counts.total) == (5, 20)

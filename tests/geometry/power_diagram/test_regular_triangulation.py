@@ -6,18 +6,17 @@ from scipy.spatial import ConvexHull
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
-from v3dcad.geometry.power_diagram.event_queue import STRUTS
 from v3dcad.geometry.power_diagram.grid import STEPS, Grid, curve_order
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, motion_of, resumed
 from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
-from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, SENTINELS, TRIANGLES
+from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, SENTINELS
 
 pytestmark = pytest.mark.filterwarnings("error")
 
 
 def triangles(mesh):
     """The triangles (t, 3), smallest point first, sorted."""
-    corners = mesh.triangles[: mesh.counts[TRIANGLES], :3]
+    corners = mesh.triangles[: mesh.counts.triangles, :3]
     corners = corners[corners[:, 0] != NOTHING]
     turn = (np.argmin(corners, axis=1)[:, None] + np.arange(3)) % 3
     corners = np.take_along_axis(corners, turn, axis=1)
@@ -84,7 +83,7 @@ def test_flips_up_to_a_time_give_the_triangulation_of_that_time(given_sites, see
             motion = resumed(mesh, motion, ended)
         again = triangulation(sites, growth[SENTINELS:] * time)
         np.testing.assert_array_equal(triangles(mesh), triangles(again))
-    spans = motion.spans[: motion.state[STRUTS]]
+    spans = motion.spans[: motion.state.struts]
     assert (spans[:, 0] < spans[:, 1]).all()
 
 

@@ -6,18 +6,10 @@ import numpy as np
 import pytest
 
 from v3dcad import FillSettings, Section, fill_sections
+from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.sweep import kinetic_sweep as course
-from v3dcad.structure.sweep.layer_loop import (
-    DONE,
-    JAMMED,
-    LAYERS,
-    PAGES_FULL,
-    STATUS,
-    WALKS_FULL,
-    run,
-    walks,
-)
+from v3dcad.structure.sweep.layer_loop import run, walks
 
 SQUARE = np.array([[0.0, 0], [40, 0], [40, 40], [0, 40]])
 SITES = np.random.default_rng(3).random((40, 2)) * 40
@@ -69,9 +61,9 @@ def test_a_jam_does_not_show(
         ]
         some = min(stops, default=len(times))
         run(*given[:9], times[:some], *given[10:])
-        made += int(found.outcome[LAYERS])
-        if stops and found.outcome[STATUS] == DONE:
-            found.outcome[STATUS] = JAMMED
+        made += int(found.outcome.layers)
+        if stops and found.outcome.ending == Ending.DONE:
+            found.outcome.ending = Ending.NO_FLIP
             jammed.append(made)
 
     monkeypatch.setattr(course, "run", jamming)
@@ -99,7 +91,7 @@ def test_a_want_of_room_does_not_show(
 
     def noting(*given: Any) -> None:
         run(*given)
-        ended.append(int(given[11].outcome[STATUS]))
+        ended.append(int(given[11].outcome.ending))
 
     monkeypatch.setattr(course, "run", noting)
     monkeypatch.setattr(course, "walks", lambda crossings, *rest: walks(crossings // 64, *rest))
@@ -111,8 +103,8 @@ def test_a_want_of_room_does_not_show(
         tree = {tuple(sorted(pair)) for pair in after.tree.tolist()}
         assert tree == {tuple(sorted(pair)) for pair in before.tree.tolist()}
     np.testing.assert_array_equal(filling.births, expected.births)
-    assert ended.count(WALKS_FULL) >= 2
-    assert ended.count(PAGES_FULL) > len(layers) / 2
+    assert ended.count(Ending.CROSSINGS_FULL) >= 2
+    assert ended.count(Ending.OUTPUT_FULL) > len(layers) / 2
 
 
 def area(walls: Any) -> float:

@@ -23,6 +23,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
+from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.power_diagram.event_queue import Motion, strut
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
@@ -31,17 +32,31 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     edge_to,
 )
 
-VERTICES, WHOLE, FILLED, CROSSED, CHANGED, FRESH, MOST = range(7)
-"""What `Cut.state` counts: inner vertices, whole edges, cells with an inner vertex, edges that are
-crossed, entries of `changed` and of `fresh`, and how often an inner vertex was wound around, at
-most."""
-
 NONE, UNCROSSED = -1, -2
 """What `Cut.first_on` has for an edge without crossings: listed nowhere, or among the crossed."""
 
 
 TOO_MANY = -1
 """How many entries `fresh` has when there were more than it can hold."""
+
+
+class CutCounts(Record):
+    """How many rows of a cut's arrays are in use."""
+
+    vertices: int
+    """inner vertices"""
+    whole: int
+    """whole edges"""
+    filled: int
+    """cells with an inner vertex"""
+    crossed: int
+    """edges that rings cross"""
+    changed: int
+    """entries of `changed`"""
+    fresh: int
+    """entries of `fresh`, or `TOO_MANY`"""
+    highest_winding: int
+    """the largest winding number, of either sign, that an inner vertex has had"""
 
 
 class Cut(NamedTuple):
@@ -88,8 +103,7 @@ class Cut(NamedTuple):
     """(6 t,) int32: the keys or halves of their edges, and"""
     former: Int32Array
     """(3 t,) int32: the keys of edges that were crossed before"""
-    state: IntArray
-    """(7,) int64"""
+    state: CutCounts
 
 
 def empty_cut(points: int, triangles: int) -> Cut:
@@ -115,15 +129,16 @@ def empty_cut(points: int, triangles: int) -> Cut:
         picked=np.empty(triangles, np.int32),
         keys=np.empty(6 * triangles, np.int32),
         former=np.empty(3 * triangles, np.int32),
-        state=np.zeros(7, np.int64),
+        state=CutCounts.of(),
     )
 
 
 def cut_with_room(cut: Cut, points: int, triangles: int) -> Cut:
     """The same with room for so many points and triangles."""
-    longer = empty_cut(points, triangles)
+    longer = empty_cut(points, triangles)._replace(state=cut.state)
     for name, column in cut._asdict().items():
-        getattr(longer, name)[: len(column)] = column
+        if name != "state":
+            getattr(longer, name)[: len(column)] = column
     return longer
 
 
@@ -131,7 +146,7 @@ def cut_with_room(cut: Cut, points: int, triangles: int) -> Cut:
 def drop_edges(cut: Cut, halves: Int32Array, count: int) -> None:
     """Take out the whole edges of some halves; their places get the edges' keys, or −1."""
     edges, sites, sides, edge_at = cut.edges, cut.sites, cut.halves, cut.edge_at
-    last = cut.state[WHOLE]
+    last = cut.state.whole
     for place in range(count):
         edge = edge_at[halves[place]]
         halves[place] = -1
@@ -145,7 +160,7 @@ def drop_edges(cut: Cut, halves: Int32Array, count: int) -> None:
                 edges[edge, k], sites[edge, k] = edges[last, k], sites[last, k]
                 sides[edge, k] = sides[last, k]
                 edge_at[sides[edge, k]] = edge
-    cut.state[WHOLE] = last
+    cut.state.whole = last
 
 
 @linked(INTERNAL)
@@ -153,7 +168,7 @@ def drop_vertices(cut: Cut, doomed: Int32Array, count: int) -> None:
     """Take out the inner vertices of triangles whose edges have been taken out."""
     vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
     edges, edge_at, filled = cut.edges, cut.edge_at, cut.filled
-    last, cells = cut.state[VERTICES], cut.state[FILLED]
+    last, cells = cut.state.vertices, cut.state.filled
     for place in range(count):
         vertex = vertex_of[doomed[place]]
         vertex_of[doomed[place]] = -1
@@ -172,7 +187,7 @@ def drop_vertices(cut: Cut, doomed: Int32Array, count: int) -> None:
             edge = edge_at[3 * moved + k]
             if edge >= 0:
                 edges[edge, 0 if edges[edge, 0] == last else 1] = vertex
-    cut.state[VERTICES], cut.state[FILLED] = last, cells
+    cut.state.vertices, cut.state.filled = last, cells
 
 
 @linked(INTERNAL)
@@ -183,8 +198,8 @@ def add_vertices(
     points, triangles, base, growth = mesh.points, mesh.triangles, motion.base, motion.growth
     vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
     inside, filled, fresh = cut.inside, cut.filled, cut.fresh
-    vertex, cells, news = cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH]
-    most = cut.state[MOST]
+    vertex, cells, news = cut.state.vertices, cut.state.filled, cut.state.fresh
+    most = cut.state.highest_winding
     for place in range(count):
         triangle = listed[place]
         if inside[triangle] == 0 or vertex_of[triangle] >= 0:
@@ -206,8 +221,8 @@ def add_vertices(
         if news != TOO_MANY:
             fresh[news] = triangle
             news += 1
-    cut.state[VERTICES], cut.state[FILLED], cut.state[FRESH] = vertex, cells, news
-    cut.state[MOST] = most
+    cut.state.vertices, cut.state.filled, cut.state.fresh = vertex, cells, news
+    cut.state.highest_winding = most
 
 
 @linked(INTERNAL)
@@ -220,7 +235,7 @@ def settle_edges(
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
     edges, sites, halves, edge_at = cut.edges, cut.sites, cut.halves, cut.edge_at
     first_on, pair_at, before, changed = cut.first_on, cut.pair_at, cut.before, cut.changed
-    edge, listed = cut.state[WHOLE], cut.state[CHANGED]
+    edge, listed = cut.state.whole, cut.state.changed
     for place in range(count):
         key = keys[place]
         if key < 0:
@@ -231,8 +246,8 @@ def settle_edges(
             right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
             whole = first_on[key] < 0 and inside[triangle] == 1 and inside[other] == 1
             if not whole and first_on[key] == NONE and inside[triangle] != 0:
-                cut.crossed[cut.state[CROSSED]], first_on[key] = key, UNCROSSED
-                cut.state[CROSSED] += 1
+                cut.crossed[cut.state.crossed], first_on[key] = key, UNCROSSED
+                cut.state.crossed += 1
             if whole or first_on[key] != NONE:
                 pair = (min(right, left) << 32) + max(right, left)
             if whole and edge_at[key] < 0:
@@ -252,4 +267,4 @@ def settle_edges(
                 changed[listed] = key
                 listed += 1
             pair_at[key] = pair
-    cut.state[WHOLE], cut.state[CHANGED] = edge, listed
+    cut.state.whole, cut.state.changed = edge, listed

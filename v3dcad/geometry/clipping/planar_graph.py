@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from v3dcad.geometry.clipping.interior import CROSSED, VERTICES, WHOLE, Cut
+from v3dcad.geometry.clipping.interior import Cut
 from v3dcad.geometry.clipping.ring_walk import INTO, SEGMENT, WINDING
 from v3dcad.geometry.compiled.arrays import (
     ConstIntArray,
@@ -49,14 +49,14 @@ def write_edges(
     and so on, whatever rounding has made of the crossings' order.
     """
     points, triangles, inside = mesh.points, mesh.triangles, cut.inside
-    vertex_of, first_on, inner = cut.vertex_of, cut.first_on, cut.state[VERTICES]
+    vertex_of, first_on, inner = cut.vertex_of, cut.first_on, cut.state.vertices
     whole, whole_sites, crossing_base = cut.edges, cut.sites, inner + len(corners)
-    for edge in range(cut.state[WHOLE]):
+    for edge in range(cut.state.whole):
         for k in range(2):
             edges[row + edge, k], sites[row + edge, k] = whole[edge, k], whole_sites[edge, k]
-    row += cut.state[WHOLE]
-    length = row + cut.state[CROSSED]
-    for place in range(cut.state[CROSSED]):
+    row += cut.state.whole
+    length = row + cut.state.crossed
+    for place in range(cut.state.crossed):
         key = cut.crossed[place]
         triangle, i = key // 3, key % 3
         other = triangles[triangle, ACROSS + i]

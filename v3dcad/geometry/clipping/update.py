@@ -6,8 +6,6 @@ What neither the flips nor the rings have touched stays as it is.
 from __future__ import annotations
 
 from v3dcad.geometry.clipping.interior import (
-    CROSSED,
-    FILLED,
     Cut,
     add_vertices,
     drop_edges,
@@ -19,11 +17,10 @@ from v3dcad.geometry.clipping.winding_numbers import UNKNOWN, chain, wind
 from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array, Int32Rows, IntArray
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
-from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, TOUCHED, Motion
+from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, Motion
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     NOTHING,
-    TRIANGLES,
     Triangulation,
     edge_to,
 )
@@ -38,7 +35,7 @@ def _wind_everything(mesh: Triangulation, cut: Cut, touched: int, length: int) -
     for place in range(length):
         inside[listed[place]] = UNKNOWN if place < touched else 0
     length, live = touched, 0
-    for triangle in range(mesh.counts[TRIANGLES]):
+    for triangle in range(mesh.counts.triangles):
         if inside[triangle] != UNKNOWN:
             listed[length] = triangle
             length += 1
@@ -68,21 +65,21 @@ def renew_cut(
     """
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
     listed, picked, keys = cut.listed, cut.picked, cut.keys
-    total, state, touched = mesh.counts[TRIANGLES], motion.state, 0
-    everything = state[TOUCHED] == EVERYTHING
-    for place in range(total if everything else state[TOUCHED]):
+    total, state, touched = mesh.counts.triangles, motion.state, 0
+    everything = state.touched == EVERYTHING
+    for place in range(total if everything else state.touched):
         triangle = place if everything else motion.touched[place]
         if inside[triangle] != UNKNOWN:
             inside[triangle] = UNKNOWN
             listed[touched] = triangle
             touched += 1
-    state[TOUCHED] = 0
+    state.touched = 0
     for place in range(touched):  # freed ones have no winding number
         if triangles[listed[place], 0] == NOTHING:
             inside[listed[place]] = 0
     length, past, live = touched, 0, 0
     if walked:
-        past = cut.state[CROSSED]
+        past = cut.state.crossed
         length = chain(mesh, cut, crossings, count, next_on, touched)
     for place in range(length):
         if triangles[listed[place], 0] != NOTHING:
@@ -99,7 +96,7 @@ def renew_cut(
             for i in range(3):
                 keys[many] = 3 * triangle + i
                 many += 1
-    crossed = cut.state[CROSSED] if walked else 0
+    crossed = cut.state.crossed if walked else 0
     for place in range(crossed):
         keys[many] = cut.crossed[place]
         many += 1
@@ -129,7 +126,7 @@ def count_cells(
     """How many cells have a part inside. Marks those that rings pass in `seen` (p,) with a token
     not used before.
     """
-    cells, filled = cut.state[FILLED], cut.filled
+    cells, filled = cut.state.filled, cut.filled
     for place in range(len(begun_in) + count):
         ring = place - count
         cell = begun_in[ring] if ring >= 0 else crossings[place, INTO]

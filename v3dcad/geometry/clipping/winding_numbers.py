@@ -7,7 +7,7 @@ only right ones. Inside they are 1, but where a part is thinner than rounding.
 
 from __future__ import annotations
 
-from v3dcad.geometry.clipping.interior import CROSSED, NONE, Cut
+from v3dcad.geometry.clipping.interior import NONE, Cut
 from v3dcad.geometry.clipping.ring_walk import EDGE, WINDING
 from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows
 from v3dcad.geometry.compiled.linked import linked
@@ -78,7 +78,7 @@ def chain(
     returns how many are listed then.
     """
     triangles, inside, listed, former = mesh.triangles, cut.inside, cut.listed, cut.former
-    first_on, gain, crossed, past = cut.first_on, cut.gain, cut.crossed, cut.state[CROSSED]
+    first_on, gain, crossed, past = cut.first_on, cut.gain, cut.crossed, cut.state.crossed
     for place in range(past):
         former[place] = crossed[place]
         first_on[former[place]] = NONE
@@ -91,7 +91,7 @@ def chain(
             crossed[some] = key
             some += 1
         first_on[key] = crossing
-    cut.state[CROSSED] = some
+    cut.state.crossed = some
     for place in range(past + count):
         key = former[place] if place < past else crossings[place - past, EDGE]
         if gain[key, 0] != gain[key, 1]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from numba import types
+from numba import from_dtype, types
+
+from v3dcad.geometry.compiled.records import Record
 
 SCALARS: dict[Any, Any] = {
     int: types.int64,
@@ -20,8 +22,8 @@ SCALARS: dict[Any, Any] = {
 def numba_type(hint: Any) -> Any:
     """Numba's type for an annotation.
 
-    Takes `int`, `float`, `bool`, `None`, tuples and lists of these, the arrays of `arrays.py`, and
-    named tuples whose fields are annotated so. Raises `TypeError` for anything else.
+    Takes `int`, `float`, `bool`, `None`, tuples and lists of these, the arrays of `arrays.py`,
+    records, and named tuples whose fields are annotated so. Raises `TypeError` for anything else.
     """
     if hint in SCALARS:
         return SCALARS[hint]
@@ -32,9 +34,11 @@ def numba_type(hint: Any) -> Any:
         return types.Tuple(tuple(map(numba_type, get_args(hint))))
     if origin is list:
         return types.List(numba_type(get_args(hint)[0]))
+    if isinstance(hint, type) and issubclass(hint, Record):
+        return from_dtype(hint.layout())
     if isinstance(hint, type) and issubclass(hint, tuple) and hasattr(hint, "_fields"):
         fields = get_type_hints(hint, include_extras=True)
-        return types.NamedTuple(list(map(numba_type, fields.values())), hint)
+        return types.BaseTuple.from_types(list(map(numba_type, fields.values())), hint)
     raise TypeError(f"compiled functions take no {hint!r}: annotate with a type of arrays.py")
 
 

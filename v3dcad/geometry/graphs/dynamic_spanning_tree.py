@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.clipping.interior import CHANGED, CROSSED, WHOLE, Cut
+from v3dcad.geometry.clipping.interior import Cut
 from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array, Int32Rows, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL, compiled
@@ -20,7 +20,6 @@ from v3dcad.geometry.graphs.spanning_tree import is_shorter, kruskal, root_of
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     NOTHING,
-    POINTS,
     SENTINELS,
     Triangulation,
     corner_at,
@@ -45,8 +44,10 @@ class Tree(NamedTuple):
     """(p,) int32: in which search each was last met"""
     found: Int32Rows
     """(2, p) int32: room for a search"""
-    state: IntArray
-    """(3,) int64: number of marks; how many points a search has found on both sides"""
+    marks: IntArray
+    """(1,) int64: how many marks have been used"""
+    sizes: IntArray
+    """(2,) int64: how many points a search has found in each of two pieces"""
 
 
 def empty_tree(points: int) -> Tree:
@@ -57,14 +58,15 @@ def empty_tree(points: int) -> Tree:
         beside=np.full((points, 2), NOTHING, np.int32),
         mark=np.zeros(points, np.int32),
         found=np.empty((2, points), np.int32),
-        state=np.zeros(3, np.int64),
+        marks=np.zeros(1, np.int64),
+        sizes=np.empty(2, np.int64),
     )
 
 
 def tree_with_room(tree: Tree, points: int) -> Tree:
     """The same for up to so many points."""
     longer = empty_tree(points)
-    for name in ("above", "below", "beside", "mark", "state"):
+    for name in ("above", "below", "beside", "mark", "marks"):
         column = getattr(tree, name)
         getattr(longer, name)[: len(column)] = column
     return longer
@@ -149,29 +151,29 @@ def _replace(mesh: Triangulation, cut: Cut, tree: Tree, lost: int) -> None:
     of the branch from the point `lost` to the one above it.
     """
     points, triangles, pair_at, before = mesh.points, mesh.triangles, cut.pair_at, cut.before
-    above, beside, mark, found, state = tree.above, tree.beside, tree.mark, tree.found, tree.state
-    state[0] += 2
-    token, place = state[0], 0
-    found[0, 0], found[1, 0], state[1], state[2] = lost, above[lost], 1, 1
+    above, beside, mark, found, sizes = tree.above, tree.beside, tree.mark, tree.found, tree.sizes
+    tree.marks[0] += 2
+    token, place = tree.marks[0], 0
+    found[0, 0], found[1, 0], sizes[0], sizes[1] = lost, above[lost], 1, 1
     _cut_off(tree, lost)
     # Look through both pieces at the same pace, until one has been seen whole.
     for side in range(2):
         mark[found[side, 0]] = token + side
-    while place < state[1] and place < state[2]:
+    while place < sizes[0] and place < sizes[1]:
         for side in range(2):
             point, own = found[side, place], token + side
             other, child = above[point], tree.below[point]
             while other != NOTHING or child != NOTHING:
                 if other != NOTHING and mark[other] != own:
                     mark[other] = own
-                    found[side, state[1 + side]] = other
-                    state[1 + side] += 1
+                    found[side, sizes[side]] = other
+                    sizes[side] += 1
                 other = child
                 child = NOTHING if child == NOTHING else beside[child, 1]
         place += 1
-    side = 0 if place == state[1] else 1
+    side = 0 if place == sizes[0] else 1
     inner, outer = NOTHING, NOTHING
-    for place in range(state[1 + side]):
+    for place in range(sizes[side]):
         point = found[side, place]
         first = mesh.triangle_of[point]
         triangle = first
@@ -195,8 +197,8 @@ def _replace(mesh: Triangulation, cut: Cut, tree: Tree, lost: int) -> None:
 def _join(mesh: Triangulation, tree: Tree, a: int, b: int) -> None:
     """Put in a new edge: between two pieces, or for the longest of the cycle that it closes."""
     points, above, mark = mesh.points, tree.above, tree.mark
-    tree.state[0] += 2
-    own, other = tree.state[0], tree.state[0] + 1
+    tree.marks[0] += 2
+    own, other = tree.marks[0], tree.marks[0] + 1
     near, far, meeting = a, b, NOTHING
     while near != NOTHING or far != NOTHING:  # up from both, by turns
         if near != NOTHING:
@@ -227,15 +229,15 @@ def _join(mesh: Triangulation, tree: Tree, a: int, b: int) -> None:
 def _make_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
     """Make it the tree of the cut's neighbours from scratch."""
     points, pair_at, halves, crossed = mesh.points, cut.pair_at, cut.halves, cut.crossed
-    size, piece, whole = tree.found[0], tree.found[1], cut.state[WHOLE]
-    edges, many = whole + cut.state[CROSSED], 0
+    size, piece, whole = tree.found[0], tree.found[1], cut.state.whole
+    edges, many = whole + cut.state.crossed, 0
     pairs = np.empty((edges, 2), np.int64)
     for edge in range(edges):
         key = halves[edge, 0] if edge < whole else crossed[edge - whole]
         if _may_be_branch(points, mesh.triangles, pair_at, key):
             pairs[many, 0], pairs[many, 1] = pair_at[key] >> 32, pair_at[key] & MASK
             many += 1
-    for point in range(mesh.counts[POINTS]):
+    for point in range(mesh.counts.points):
         size[point], piece[point] = 1, point
         tree.above[point] = tree.below[point] = NOTHING
     branches = kruskal(points, pairs[:many])
@@ -253,8 +255,8 @@ def _make_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
 def renew_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
     """Make it the tree of the cut's neighbours again, after what the cut says has changed."""
     above, pair_at, before, changed = tree.above, cut.pair_at, cut.before, cut.changed
-    count = cut.state[CHANGED]
-    if FEW * count > cut.state[WHOLE] + cut.state[CROSSED]:
+    count = cut.state.changed
+    if FEW * count > cut.state.whole + cut.state.crossed:
         _make_tree(mesh, cut, tree)
     else:
         for place in range(count):
@@ -282,7 +284,7 @@ def renew_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
                 _join(mesh, tree, a, b)
     for place in range(count):
         before[changed[place]] = -1
-    cut.state[CHANGED] = 0
+    cut.state.changed = 0
 
 
 @linked(INTERNAL)
@@ -291,7 +293,7 @@ def write_tree(
 ) -> int:
     """Write the tree's pairs of sites, i < j, from `row` on; returns the row after."""
     above = tree.above
-    for point in range(SENTINELS, mesh.counts[POINTS]):
+    for point in range(SENTINELS, mesh.counts.points):
         if above[point] != NOTHING:
             i, j = site_of[point], site_of[above[point]]
             branches[row, 0], branches[row, 1] = min(i, j), max(i, j)

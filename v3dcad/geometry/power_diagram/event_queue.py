@@ -21,6 +21,7 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.intrinsics import sign_of_sum
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
+from v3dcad.geometry.compiled.records import Record
 
 NEVER = np.inf
 
@@ -32,14 +33,25 @@ ROUNDING = 4e-15
 """Bound of the relative error of the floating power test (some 20 operations)."""
 
 
-DUE, STRUTS, TOUCHED, NOW, LAST, MOST = range(6)
-"""What `Motion.state` holds: heap and log length, how many triangles have been touched, the whole
-time that the weights belong to, the last time that can be asked for, and the most growth that a
-point may have."""
-
-
 EVERYTHING = -1
 """How many triangles have been touched when there is no telling which."""
+
+
+class MotionState(Record):
+    """Where a motion has got to."""
+
+    due: int
+    """length of the heap"""
+    struts: int
+    """length of the log"""
+    touched: int
+    """how many triangles have been touched, or `EVERYTHING`"""
+    now: int
+    """the whole time that the weights belong to"""
+    last: int
+    """the last time that can be asked for"""
+    most_growth: int
+    """the most that a point may grow in a unit of time"""
 
 
 class Motion(NamedTuple):
@@ -67,8 +79,7 @@ class Motion(NamedTuple):
     """(t,) int32: triangles that came, changed or went since somebody last emptied this list"""
     moment: FloatArray
     """(1,) float64: the latest event"""
-    state: IntArray
-    """(6,) int64"""
+    state: MotionState
 
 
 @compiled(INLINED)
@@ -151,11 +162,11 @@ def _drop_stale(motion: Motion) -> None:
     """Take entries out of the heap that no longer hold: what stays is at most one an edge."""
     due, edges, stamp = motion.due, motion.due_edge, motion.stamp
     length = 0
-    for at in range(motion.state[DUE]):
+    for at in range(motion.state.due):
         if stamp[edges[at, 0]] == edges[at, 1]:
             due[length], edges[length, 0], edges[length, 1] = due[at], edges[at, 0], edges[at, 1]
             length += 1
-    motion.state[DUE] = length
+    motion.state.due = length
     for at in range(length // 2 - 1, -1, -1):
         _sift(motion, at, length)
 
@@ -164,10 +175,10 @@ def _drop_stale(motion: Motion) -> None:
 def push(motion: Motion, moment: float, edge: int, stamp: int) -> None:
     """Enter that an edge is due at a moment; the entry holds while the edge has that stamp."""
     due, edges, state = motion.due, motion.due_edge, motion.state
-    if state[DUE] == len(due):
+    if state.due == len(due):
         _drop_stale(motion)
-    at = state[DUE]
-    state[DUE] += 1
+    at = state.due
+    state.due += 1
     while at > 0 and due[(at - 1) >> 1] > moment:
         above = (at - 1) >> 1
         due[at], edges[at, 0], edges[at, 1] = due[above], edges[above, 0], edges[above, 1]
@@ -180,8 +191,8 @@ def pop(motion: Motion) -> int:
     """Take the first entry out; returns its edge, or −1 where it no longer holds."""
     due, edges, state = motion.due, motion.due_edge, motion.state
     edge, stamp = edges[0, 0], edges[0, 1]
-    last = state[DUE] - 1
-    state[DUE] = last
+    last = state.due - 1
+    state.due = last
     due[0], edges[0, 0], edges[0, 1] = due[last], edges[last, 0], edges[last, 1]
     if last > 0:
         _sift(motion, 0, last)

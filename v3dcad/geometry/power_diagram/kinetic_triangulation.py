@@ -15,16 +15,13 @@ import numpy as np
 
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.event_queue import (
     ALWAYS,
-    DUE,
     EVERYTHING,
-    LAST,
     NEVER,
-    NOW,
-    STRUTS,
-    TOUCHED,
     Motion,
+    MotionState,
     _longer,
     failure,
     pop,
@@ -38,12 +35,9 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     FLIP,
     FLIP_HIDE_SECOND,
-    FREE,
     HIDE_THIRD,
     NOTHING,
-    POINTS,
     STUCK,
-    TRIANGLES,
     Triangulation,
     carry_out,
     edge_to,
@@ -51,9 +45,6 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     split,
 )
 from v3dcad.model import Ints
-
-ADVANCED, LOG_FULL, JAMMED = range(3)
-"""How `advance` ends."""
 
 
 @linked(INTERNAL)
@@ -76,12 +67,12 @@ def _certify(mesh: Triangulation, motion: Motion, triangle: int, i: int, earlies
         b,
         c,
         triangles[other, j],
-        motion.state[NOW],
+        motion.state.now,
     )
     if moment == NEVER and earliest > -NEVER:  # the exact test has just been passed
         return
     due = max(due, earliest)
-    if due <= motion.state[LAST]:
+    if due <= motion.state.last:
         push(motion, due, edge, motion.stamp[edge])
 
 
@@ -90,8 +81,8 @@ def _end_strut(mesh: Triangulation, motion: Motion, triangle: int) -> None:
     """Log a triangle that ends at this moment; not one that lasted no time at all."""
     triangles, begun, moment = mesh.triangles, motion.begun[triangle], motion.moment[0]
     if begun < moment:
-        row = motion.state[STRUTS]
-        motion.state[STRUTS] = row + 1
+        row = motion.state.struts
+        motion.state.struts = row + 1
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
         first = 0 if a < b and a < c else (1 if b < c else 2)
         for i in range(3):
@@ -102,11 +93,11 @@ def _end_strut(mesh: Triangulation, motion: Motion, triangle: int) -> None:
 @linked(INTERNAL)
 def _touch(motion: Motion, triangle: int) -> None:
     touched, state = motion.touched, motion.state
-    if state[TOUCHED] == len(touched):
-        state[TOUCHED] = EVERYTHING
-    if state[TOUCHED] != EVERYTHING:
-        touched[state[TOUCHED]] = triangle
-        state[TOUCHED] += 1
+    if state.touched == len(touched):
+        state.touched = EVERYTHING
+    if state.touched != EVERYTHING:
+        touched[state.touched] = triangle
+        state.touched += 1
 
 
 @linked(INTERNAL)
@@ -123,10 +114,10 @@ def _begin_strut(mesh: Triangulation, motion: Motion, triangle: int) -> None:
 @compiled(UNCOUNTED)
 def certify_all(mesh: Triangulation, motion: Motion) -> None:
     """Begin with the triangulation as it stands: every triangle begins now."""
-    motion.state[DUE] = 0
-    motion.state[TOUCHED] = EVERYTHING
+    motion.state.due = 0
+    motion.state.touched = EVERYTHING
     triangles = mesh.triangles
-    for triangle in range(mesh.counts[TRIANGLES]):
+    for triangle in range(mesh.counts.triangles):
         motion.begun[triangle] = motion.moment[0]
         if triangles[triangle, 0] != NOTHING:
             for i in range(3):
@@ -136,31 +127,31 @@ def certify_all(mesh: Triangulation, motion: Motion) -> None:
 
 @linked(UNCOUNTED)
 def advance(mesh: Triangulation, motion: Motion, time: int) -> int:
-    """Bring the triangulation to a later whole time. Says how that has ended: `ADVANCED`, or short
-    of it, to be gone on with after `resumed`.
+    """Bring the triangulation to a later whole time. Returns an `Ending`: if it is not `DONE`,
+    call `resumed` and then this again.
     """
     points, triangles, state, stuck = mesh.points, mesh.triangles, motion.state, mesh.stack
-    if time != state[NOW]:
-        for point in range(mesh.counts[POINTS]):
+    if time != state.now:
+        for point in range(mesh.counts.points):
             points[point, 2] = motion.base[point] + motion.growth[point] * time
-        state[NOW] = time
+        state.now = time
     waiting, flipped = 0, False
     while True:
-        if state[DUE] == 0 or motion.due[0] > time:
+        if state.due == 0 or motion.due[0] > time:
             if waiting == 0:
                 break
             if not flipped:
-                return JAMMED
+                return Ending.NO_FLIP
             # Edges that could not be flipped: another flip may have freed them.
             for at in range(waiting):
                 if triangles[stuck[at] // 3, 0] != NOTHING:
                     _certify(mesh, motion, stuck[at] // 3, stuck[at] % 3, -NEVER)
             waiting, flipped = 0, False
             continue
-        if len(motion.spans) - state[STRUTS] < 4:
+        if len(motion.spans) - state.struts < 4:
             for at in range(waiting):
                 _certify(mesh, motion, stuck[at] // 3, stuck[at] % 3, -NEVER)
-            return LOG_FULL
+            return Ending.LOG_FULL
         edge = pop(motion)
         if edge < 0:
             continue
@@ -191,7 +182,7 @@ def advance(mesh: Triangulation, motion: Motion, time: int) -> int:
                 _end_strut(mesh, motion, far)
         carry_out(mesh, triangle, i, kind, other, near, far)
         if kind != FLIP:
-            for freed in range(mesh.counts[FREE] - 2, mesh.counts[FREE]):
+            for freed in range(mesh.counts.free - 2, mesh.counts.free):
                 _touch(motion, mesh.free[freed])
                 for k in range(3):
                     motion.stamp[3 * mesh.free[freed] + k] += 1
@@ -200,7 +191,7 @@ def advance(mesh: Triangulation, motion: Motion, time: int) -> int:
         if kind == FLIP or kind > HIDE_THIRD:
             _begin_strut(mesh, motion, other)
     motion.moment[0] = max(motion.moment[0], float(time))
-    return ADVANCED
+    return Ending.DONE
 
 
 @linked(INTERNAL)
@@ -234,7 +225,7 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
         spans=np.empty((4 * points, 2)),
         touched=np.empty(triangles, np.int32),
         moment=np.array([float(now)]),
-        state=np.array([0, 0, 0, now, last, HEAVIEST]),
+        state=MotionState.of(now=now, last=last, most_growth=HEAVIEST),
     )
     certify_all(mesh, motion)
     return motion
@@ -242,30 +233,30 @@ def motion_of(mesh: Triangulation, growth: Ints, now: int, last: int) -> Motion:
 
 def all_ended(mesh: Triangulation, motion: Motion) -> Motion:
     """The motion with every triangle that has lasted any time logged as ended at this moment."""
-    some = slice(0, int(mesh.counts[TRIANGLES]))
+    some = slice(0, int(mesh.counts.triangles))
     corners, begun, moment = mesh.triangles[some, :3], motion.begun[some], motion.moment[0]
     ended = (corners[:, 0] != NOTHING) & (begun < moment)
     corners, begun = corners[ended], begun[ended]
     motion = with_log(motion, len(corners))
-    rows = slice(int(motion.state[STRUTS]), int(motion.state[STRUTS]) + len(corners))
+    rows = slice(int(motion.state.struts), int(motion.state.struts) + len(corners))
     turn = (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3
     motion.struts[rows] = np.take_along_axis(corners, turn, axis=1)
     motion.spans[rows, 0], motion.spans[rows, 1] = begun, moment
-    motion.state[STRUTS] = rows.stop
+    motion.state.struts = rows.stop
     return motion
 
 
 def resumed(mesh: Triangulation, motion: Motion, ended: int) -> Motion:
     """The motion with what `advance` needs to go on where it has ended before the time asked for.
 
-    `LOG_FULL`: room for more struts. `JAMMED`: edges are due of which none can be flipped, since
+    `LOG_FULL`: room for more struts. `NO_FLIP`: edges are due of which none can be flipped, since
     moments differ by less than floats tell; so the triangulation is built afresh at that time.
     """
-    if ended == LOG_FULL:
+    if ended == Ending.LOG_FULL:
         return with_log(motion, len(motion.spans))
-    motion.moment[0] = motion.state[NOW]
+    motion.moment[0] = motion.state.now
     motion = all_ended(mesh, motion)
-    build(mesh, mesh.counts[POINTS])
+    build(mesh, mesh.counts.points)
     certify_all(mesh, motion)
     return motion
 

@@ -17,12 +17,10 @@ from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ACROSS,
     FAR,
-    FREE,
     NOTHING,
-    POINTS,
     SENTINELS,
     STUCK,
-    TRIANGLES,
+    MeshCounts,
     Triangulation,
     carry_out,
     edge_to,
@@ -119,7 +117,7 @@ def build(mesh: Triangulation, count: int) -> None:
         triangles[0, i], triangles[1, i] = first, second
         triangles[0, ACROSS + i] = triangles[1, ACROSS + i] = NOTHING
     triangles[0, ACROSS + 1], triangles[1, ACROSS + 2] = 1, 0
-    mesh.counts[POINTS], mesh.counts[TRIANGLES], mesh.counts[FREE] = count, 2, 0
+    mesh.counts.points, mesh.counts.triangles, mesh.counts.free = count, 2, 0
     triangle = 0
     for point in range(SENTINELS, count):
         triangle = insert(mesh, point, triangle)
@@ -138,7 +136,7 @@ def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
         triangles=np.empty((2 * (count + room), 6), np.int32),
         free=np.empty(2 * (count + room), np.int32),
         stack=np.empty(2 * (count + room), np.int32),
-        counts=np.empty(3, np.int64),
+        counts=MeshCounts.of(),
     )
     mesh.points[SENTINELS:count, :2] = sites
     mesh.points[SENTINELS:count, 2] = weights
@@ -148,7 +146,7 @@ def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
 
 def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
     """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
-    corners = mesh.triangles[: mesh.counts[TRIANGLES], :3]
+    corners = mesh.triangles[: mesh.counts.triangles, :3]
     corners = corners[corners[:, 0] != NOTHING].astype(np.int64) - SENTINELS
     ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]

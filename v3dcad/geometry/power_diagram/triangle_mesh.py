@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows, IntArray, IntRows
+from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows, IntRows
 from v3dcad.geometry.compiled.options import INLINED, compiled
+from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.power_diagram.grid import STEPS
 from v3dcad.geometry.power_diagram.predicates import orientation
 
@@ -29,12 +30,17 @@ ACROSS = 3
 """Where a triangle's neighbours begin in its row."""
 
 
-POINTS, TRIANGLES, FREE = range(3)
-"""What `Triangulation.counts` counts: points and triangle slots in use, and freed slots."""
-
-
 STUCK, FLIP, HIDE_SECOND, HIDE_THIRD, FLIP_HIDE_SECOND, FLIP_HIDE_THIRD = range(6)
 """What can be done about an edge: see `plan`."""
+
+
+class MeshCounts(Record):
+    """How many slots of a triangulation's arrays are in use."""
+
+    points: int
+    triangles: int
+    free: int
+    """triangle slots that were in use and can be used again"""
 
 
 class Triangulation(NamedTuple):
@@ -50,8 +56,7 @@ class Triangulation(NamedTuple):
     """(t,) int32: slots of triangles to be used again"""
     stack: Int32Array
     """(t,) int32: room for insertions"""
-    counts: IntArray
-    """(3,) int64: `POINTS`, `TRIANGLES`, `FREE`"""
+    counts: MeshCounts
 
 
 @compiled(INLINED)
@@ -96,11 +101,11 @@ def _place(
 @compiled(INLINED)
 def _slot_to_use(mesh: Triangulation) -> int:
     counts = mesh.counts
-    if counts[FREE] > 0:
-        counts[FREE] -= 1
-        return mesh.free[counts[FREE]]
-    counts[TRIANGLES] += 1
-    return counts[TRIANGLES] - 1
+    if counts.free > 0:
+        counts.free -= 1
+        return mesh.free[counts.free]
+    counts.triangles += 1
+    return counts.triangles - 1
 
 
 @compiled(INLINED)
@@ -193,9 +198,9 @@ def _hide(mesh: Triangulation, triangle: int, i: int, other: int, third: int, se
     _relink(triangles, beyond, third, triangle)
     mesh.triangle_of[hidden] = NOTHING
     triangles[other, 0] = triangles[third, 0] = NOTHING
-    freed = mesh.counts[FREE]
+    freed = mesh.counts.free
     mesh.free[freed], mesh.free[freed + 1] = other, third
-    mesh.counts[FREE] = freed + 2
+    mesh.counts.free = freed + 2
 
 
 @compiled(INLINED)

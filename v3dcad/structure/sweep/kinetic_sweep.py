@@ -7,11 +7,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.clipping.interior import CROSSED, VERTICES, cut_with_room, empty_cut
+from v3dcad.geometry.clipping.interior import cut_with_room, empty_cut
 from v3dcad.geometry.clipping.ring_validity import winding_fault
 from v3dcad.geometry.graphs.dynamic_spanning_tree import empty_tree, tree_with_room
+from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.epochs import FIRST, Epoch
-from v3dcad.geometry.power_diagram.event_queue import ALWAYS, LAST, MOST, STRUTS, with_log
+from v3dcad.geometry.power_diagram.event_queue import ALWAYS, with_log
 from v3dcad.geometry.power_diagram.grid import HEAVIEST, UTMOST, Grid
 from v3dcad.geometry.power_diagram.kinetic_triangulation import (
     advance,
@@ -21,21 +22,13 @@ from v3dcad.geometry.power_diagram.kinetic_triangulation import (
     with_room,
 )
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
-from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, POINTS, SENTINELS, TRIANGLES
+from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, SENTINELS
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.rim import rim_of
 from v3dcad.structure.spacing import no_squares
 from v3dcad.structure.sweep.growing_sites import SiteStates, Timed
 from v3dcad.structure.sweep.layer_loop import (
-    JAMMED,
-    LAYERS,
-    NEEDS_ROOM,
-    OPEN_WALK,
-    PAGES_FULL,
-    ROOM,
-    STATUS,
-    WALKS_FULL,
     Run,
     pages,
     run,
@@ -103,7 +96,7 @@ class Course:
         until = max(now, min(last, epoch.last(growth)))
         self.motion = motion_of(self.mesh, np.concatenate([still, growth]), now, until)
         self.motion.born[SENTINELS:] = np.maximum(sites.born - epoch.start, ALWAYS)
-        self.motion.state[MOST] = UTMOST // max(int(self.times[-1]), 1) - epoch.growth
+        self.motion.state.most_growth = UTMOST // max(int(self.times[-1]), 1) - epoch.growth
         self._bottom = bottom
         self.epochs.append(epoch)
         self._cut_nothing()
@@ -127,7 +120,7 @@ class Course:
 
     def _enter_newborns(self) -> None:
         """Enter the sites born since this was last asked for."""
-        count, epoch = int(self.mesh.counts[POINTS]) - SENTINELS, self.epochs[-1]
+        count, epoch = int(self.mesh.counts.points) - SENTINELS, self.epochs[-1]
         if count == len(self._states):
             return
         number = np.arange(len(self._states), count)
@@ -142,10 +135,10 @@ class Course:
 
     def _reach(self, time: int) -> None:
         """Begin new epochs until the present one holds a time."""
-        while (epoch := self.epochs[-1]).start + int(self.motion.state[LAST]) < time:
+        while (epoch := self.epochs[-1]).start + int(self.motion.state.last) < time:
             self._end_epoch()
-            now = int(self.motion.state[LAST])
-            rows = slice(SENTINELS, int(self.mesh.counts[POINTS]))
+            now = int(self.motion.state.last)
+            rows = slice(SENTINELS, int(self.mesh.counts.points))
             lives = self.mesh.triangle_of[rows] != NOTHING
             following = Epoch(
                 epoch.start + now,
@@ -156,10 +149,10 @@ class Course:
 
     def _end_epoch(self) -> None:
         """Go to where the epoch ends, and note how the vertices have moved in it."""
-        while ended := advance(self.mesh, self.motion, self.motion.state[LAST]):
+        while ended := advance(self.mesh, self.motion, self.motion.state.last):
             self.motion = resumed(self.mesh, self.motion, ended)
         self.motion = all_ended(self.mesh, self.motion)
-        count = int(self.motion.state[STRUTS])
+        count = int(self.motion.state.struts)
         corners, times = self.motion.struts[:count].astype(np.int64), self.motion.spans[:count]
         spans = self._bottom + times / self._rate
         lasts = spans[:, 0] < spans[:, 1]  # heights are coarser than times
@@ -180,25 +173,25 @@ class Course:
             made = pages(len(rest.areas), max(self._usual_rows(rest), needed))
             self._run_once(rest, index + done, full_cell, made)
             self._enter_newborns()
-            fault = int(made.outcome[STATUS])
-            needed = int(made.outcome[ROOM]) if fault == PAGES_FULL else 0
-            if fault == WALKS_FULL:
+            fault = int(made.outcome.ending)
+            needed = int(made.outcome.room) if fault == Ending.OUTPUT_FULL else 0
+            if fault == Ending.CROSSINGS_FULL:
                 self._crossings *= 4
-            if fault == NEEDS_ROOM:
-                self._make_room(int(made.outcome[ROOM]))
-            if fault == JAMMED:
+            if fault in (Ending.POINTS_FULL, Ending.LOG_FULL):
+                self._make_room(int(made.outcome.room))
+            if fault == Ending.NO_FLIP:
                 self.motion = resumed(self.mesh, self.motion, fault)
                 self._cut_nothing()
             yield from self._layers(made, rest.areas.tolist(), sections[done:], index + done)
-            done += int(made.outcome[LAYERS])
-            if fault == OPEN_WALK:
+            done += int(made.outcome.layers)
+            if fault == Ending.RING_OPEN:
                 raise GeometryError("a ring of its section does not close", layer=index + done)
 
     def tracks(self) -> Tracks:
         """How all vertices have moved since the beginning; to be asked for once, at the end."""
         last = int(times_of(np.array([self.top]), self.growth_step, self.grid)[0])
         if self.times[0] == last:  # nothing has moved
-            corners = self.mesh.triangles[: self.mesh.counts[TRIANGLES], :3]
+            corners = self.mesh.triangles[: self.mesh.counts.triangles, :3]
             corners = corners[corners[:, 0] != NOTHING].astype(np.int64)
             spans = np.tile([self.heights[0], self.top], (len(corners), 1))
             times = np.full(spans.shape, float(last - self.epochs[-1].start))
@@ -231,7 +224,7 @@ class Course:
 
     def _make_room(self, births: int) -> None:
         """Make room for more births, or else for more struts."""
-        if int(self.mesh.counts[POINTS]) + births > len(self.mesh.points):
+        if int(self.mesh.counts.points) + births > len(self.mesh.points):
             some = births + len(self._curve) // 4 + 1
             self.mesh, self.motion = with_room(self.mesh, self.motion, some)
         else:
@@ -240,8 +233,8 @@ class Course:
 
     def _usual_rows(self, rings: Rings) -> int:
         """For how many vertices a run should have room: a few more than on the last layer."""
-        state, triangles = self._cut.state, int(self.mesh.counts[TRIANGLES])
-        inner = int(state[VERTICES] + 2 * state[CROSSED]) or triangles
+        state, triangles = self._cut.state, int(self.mesh.counts.triangles)
+        inner = int(state.vertices + 2 * state.crossed) or triangles
         return len(rings.areas) * (inner + 64) + 2 * len(rings.corners) + triangles
 
     def _run_once(self, rings: Rings, index: int, full_cell: float, made: Run) -> None:
@@ -284,7 +277,7 @@ class Course:
             array.flags.writeable = False  # so that the values need no views of their own
         points, cells, graphs, vertex_rows, edge_rows, pair_rows, tree_rows = made.rows.T.tolist()
         graph = -1
-        for layer in range(int(made.outcome[LAYERS])):
+        for layer in range(int(made.outcome.layers)):
             if graphs[layer] != graph:
                 graph = graphs[layer]
                 row, end = edge_rows[graph], edge_rows[graph + 1]

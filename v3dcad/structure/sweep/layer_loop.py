@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.clipping.interior import CROSSED, MOST, VERTICES, WHOLE, Cut
+from v3dcad.geometry.clipping.interior import Cut
 from v3dcad.geometry.clipping.planar_graph import place_vertices, write_edges
 from v3dcad.geometry.clipping.ring_walk import EDGE, INTO, OPEN, SEGMENT, walk_rings
 from v3dcad.geometry.clipping.update import count_cells, renew_cut
@@ -25,30 +25,20 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.graphs.dynamic_spanning_tree import Tree, renew_tree, write_tree
+from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.event_queue import (
     EVERYTHING,
-    LAST,
-    STRUTS,
-    TOUCHED,
     Motion,
 )
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance
-from v3dcad.geometry.power_diagram.triangle_mesh import POINTS, Triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import Triangulation
 from v3dcad.structure.births import give_births
 from v3dcad.structure.holes import Shortlist
 from v3dcad.structure.rim import Rim
 from v3dcad.structure.spacing import Squares
 from v3dcad.structure.sweep.ring_arrays import Rings
-
-DONE, NEEDS_ROOM, JAMMED, EPOCH_OVER, OPEN_WALK, PAGES_FULL, WALKS_FULL = range(7)
-"""How a run ended: after its last layer, for want of room or with a jam (as `advance` says), before
-a layer of the next epoch, at one whose rings could not be walked, or at one that there was no room
-for in the run's arrays or in `Walks`."""
-
-STATUS, LAYERS, ROOM = range(3)
-"""What a run's `outcome` holds: how it ended, how many layers it made, and for how many points, or
-rows of its arrays, it needs room."""
 
 POINT_COUNT, CELLS, GRAPH, VERTEX_ROW, EDGE_ROW, PAIR_ROW, TREE_ROW = range(7)
 """Columns of a run's `rows`. Of a layer: how many points there were, sentinels among them; how many
@@ -56,11 +46,21 @@ cells; which graph is its own; where its vertices begin. Of a graph: where its e
 where they join each pair of neighbours once, and where its tree begins."""
 
 
+class Outcome(Record):
+    """What a run of the layer loop has come to."""
+
+    ending: int
+    """an `Ending`"""
+    layers: int
+    """how many layers it made"""
+    room: int
+    """for how many points, or rows of its arrays, it needs room"""
+
+
 class Run(NamedTuple):
     """What a run of the layer loop makes. Arrays of all layers one behind the other."""
 
-    outcome: IntArray
-    """(3,) int64"""
+    outcome: Outcome
     rows: IntRows
     """(layers + 1, 7) int64"""
     vertices: FloatRows
@@ -92,7 +92,7 @@ def pages(layers: int, some: int) -> Run:
     """Room for a run over so many layers with some vertices in all."""
     many = some + some // 2
     return Run(
-        outcome=np.zeros(3, np.int64),
+        outcome=Outcome.of(),
         rows=np.zeros((layers + 1, 7), np.int64),
         vertices=np.empty((some, 2)),
         edges=np.empty((many, 2), np.int64),
@@ -139,9 +139,9 @@ def _same_crossings(before: Int32Rows, count_before: int, now: Int32Rows, count:
 @linked(INTERNAL)
 def _touches(mesh: Triangulation, motion: Motion, seen: Int32Array, token: int) -> bool:
     """Whether a touched triangle is at a cell that rings pass."""
-    if motion.state[TOUCHED] == EVERYTHING:
+    if motion.state.touched == EVERYTHING:
         return True
-    for place in range(motion.state[TOUCHED]):
+    for place in range(motion.state.touched):
         triangle = motion.touched[place]
         for k in range(3):
             cell = mesh.triangles[triangle, k]
@@ -185,11 +185,11 @@ def run(
     after_before, begun_before = rings.after[:0], walks.begun_in[:0]
     graph, count, count_before, live_cells = -1, 0, 0, 0
     for layer in range(len(times)):
-        if times[layer] > motion.state[LAST]:
-            outcome[STATUS] = EPOCH_OVER
+        if times[layer] > motion.state.last:
+            outcome.ending = Ending.EPOCH_OVER
             break
-        outcome[STATUS] = advance(mesh, motion, times[layer])
-        if outcome[STATUS] != DONE:
+        outcome.ending = advance(mesh, motion, times[layer])
+        if outcome.ending != Ending.DONE:
             break
         rings_from, rings_to = rings.layers[layer], rings.layers[layer + 1]
         first, last = rings.starts[rings_from], rings.starts[rings_to]
@@ -200,12 +200,12 @@ def run(
             if walked:
                 count = walk_rings(mesh, stepped, starts, after, begun_in, crossings, at)
                 if count < 0:
-                    outcome[STATUS] = OPEN_WALK if count == OPEN else WALKS_FULL
+                    outcome.ending = Ending.RING_OPEN if count == OPEN else Ending.CROSSINGS_FULL
                     break
             if (
                 not walked
                 or graph < 0
-                or motion.state[TOUCHED] != 0
+                or motion.state.touched != 0
                 or not _same_numbers(after_before, after)
                 or not _same_numbers(begun_before, begun_in)
                 or not _same_crossings(before, count_before, crossings, count)
@@ -216,34 +216,34 @@ def run(
                 live_cells = count_cells(cut, begun_in, crossings, count, seen, token)
             # No place has two newborns, however small the first layer's cells were.
             wanted = np.ceil(rings.areas[layer] / full_cell - 1e-9) - live_cells
-            wanted = int(min(wanted, float(cut.state[VERTICES] + count)))
-            given = motion.born[mesh.counts[POINTS] - 1] == times[layer]
+            wanted = int(min(wanted, float(cut.state.vertices + count)))
+            given = motion.born[mesh.counts.points - 1] == times[layer]
             if given or wanted <= 0:
                 break
             if (
-                mesh.counts[POINTS] + wanted > len(mesh.points)
-                or len(motion.spans) - motion.state[STRUTS] < 8 * wanted + 64
+                mesh.counts.points + wanted > len(mesh.points)
+                or len(motion.spans) - motion.state.struts < 8 * wanted + 64
             ):
-                outcome[STATUS], outcome[ROOM] = NEEDS_ROOM, wanted
+                outcome.ending, outcome.room = Ending.POINTS_FULL, wanted
                 break
             born = give_births(
                 mesh, motion, cut, squares, shortlist, rim, crossings, count, wanted, reach
             )
             if born == 0:
                 break
-            outcome[STATUS] = advance(mesh, motion, times[layer])
-            if outcome[STATUS] != DONE:
+            outcome.ending = advance(mesh, motion, times[layer])
+            if outcome.ending != Ending.DONE:
                 break
             walked = not fresh or _touches(mesh, motion, seen, token)
-        if outcome[STATUS] != DONE:
+        if outcome.ending != Ending.DONE:
             break
         if fresh:
             graph += 1
             row = rows[graph, EDGE_ROW]
-            room = 2 * cut.state[MOST] * cut.state[CROSSED] + len(corners) + 2 * count
-            room += cut.state[WHOLE]
+            room = 2 * cut.state.highest_winding * cut.state.crossed + len(corners) + 2 * count
+            room += cut.state.whole
             if row + room > len(edges):
-                outcome[STATUS], outcome[ROOM] = PAGES_FULL, room
+                outcome.ending, outcome.room = Ending.OUTPUT_FULL, room
                 break
             rows[graph, PAIR_ROW], rows[graph + 1, EDGE_ROW] = write_edges(
                 mesh, cut, site_of, stepped, starts, after, begun_in, crossings, at, count,
@@ -251,21 +251,21 @@ def run(
             )  # fmt: skip
             renew_tree(mesh, cut, tree)
             row = rows[graph, TREE_ROW]
-            if row + mesh.counts[POINTS] > len(made.tree):
-                outcome[STATUS], outcome[ROOM] = PAGES_FULL, mesh.counts[POINTS]
+            if row + mesh.counts.points > len(made.tree):
+                outcome.ending, outcome.room = Ending.OUTPUT_FULL, mesh.counts.points
                 break
             rows[graph + 1, TREE_ROW] = write_tree(mesh, tree, site_of, made.tree, row)
             after_before, begun_before = after, begun_in
-        row, room = rows[layer, VERTEX_ROW], cut.state[VERTICES] + len(corners) + count
+        row, room = rows[layer, VERTEX_ROW], cut.state.vertices + len(corners) + count
         if row + room > len(vertices):
-            outcome[STATUS], outcome[ROOM] = PAGES_FULL, room
+            outcome.ending, outcome.room = Ending.OUTPUT_FULL, room
             break
         rows[layer + 1, VERTEX_ROW] = place_vertices(
-            cut.struts, cut.state[VERTICES], times[layer], corners, after, crossings, at, count,
+            cut.struts, cut.state.vertices, times[layer], corners, after, crossings, at, count,
             left, low, pitch, vertices, row,
         )  # fmt: skip
         before, crossings, count_before = crossings, before, count
         at_before, at = at, at_before
-        rows[layer, POINT_COUNT] = mesh.counts[POINTS]
+        rows[layer, POINT_COUNT] = mesh.counts.points
         rows[layer, CELLS], rows[layer, GRAPH] = live_cells, graph
-        outcome[LAYERS] = layer + 1
+        outcome.layers = layer + 1
