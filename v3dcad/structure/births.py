@@ -27,7 +27,7 @@ from v3dcad.geometry.power_diagram.kinetic_triangulation import add_point
 from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.regular_triangulation import holds, locate
 from v3dcad.geometry.power_diagram.triangle_mesh import (
-    NOTHING,
+    ABSENT,
     Triangulation,
 )
 from v3dcad.structure.holes import (
@@ -134,7 +134,7 @@ def is_crowded(
     """
     for sibling in range(len(parents)):
         d, e, f = parents[sibling, 0], parents[sibling, 1], parents[sibling, 2]
-        if d == NOTHING:  # it came in from outside
+        if d == ABSENT:  # it came in from outside
             continue
         common = (a in (d, e, f)) + (b in (d, e, f)) + (c in (d, e, f))
         if (
@@ -177,20 +177,20 @@ def _come_in(
     reach: float,
 ) -> int:
     """Enter a newborn for the hole at a crossing; returns the triangle that it stands in, or
-    `NOTHING` where it cannot be. It is not joined to it yet.
+    `ABSENT` where it cannot be. It is not joined to it yet.
     """
     points, growth, q = mesh.points, motion.growth, mesh.counts.points
     i, j = cells_at(mesh, crossings, crossing)
     x, y = moved_out(points, rim.corners, i, j)
     east, north = rim.corners[2, 0], rim.corners[2, 1]
     if not (0 <= x <= east and 0 <= y <= north):  # a rectangle narrower than the rows beside it
-        return NOTHING
+        return ABSENT
     triangle = locate(mesh, mesh.triangle_of[i], x, y)
     a, b, c = mesh.triangles[triangle, 0], mesh.triangles[triangle, 1], mesh.triangles[triangle, 2]
     vx, vy = orthocentre(points, a, b, c)
     inside = 0 <= points[a, 0] + vx <= east and 0 <= points[a, 1] + vy <= north
     if inside or not holds(mesh, triangle, x, y):
-        return NOTHING
+        return ABSENT
     weight, pace = touching(mesh, growth, rim, x, y)
     grows = int(np.floor(pace)) + LEAD
     if (
@@ -198,13 +198,13 @@ def _come_in(
         or weight - MARGIN <= -HEAVIEST
         or grows > motion.state.most_growth
     ):
-        return NOTHING
-    if too_near(mesh, growth, squares, before, x, y, grows, reach) != NOTHING:
-        return NOTHING
+        return ABSENT
+    if too_near(mesh, growth, squares, before, x, y, grows, reach) != ABSENT:
+        return ABSENT
     points[q, 0], points[q, 1], points[q, 2] = x, y, int(np.floor(weight)) - MARGIN
     if not conflicts(points, a, b, c, q):  # its cell would begin beside the rectangle
-        return NOTHING
-    mesh.triangle_of[q] = NOTHING
+        return ABSENT
+    mesh.triangle_of[q] = ABSENT
     _enter(mesh, motion, q, grows)
     rim.born[rim.counts[0]] = motion.state.now
     rim.counts[0] += 1
@@ -232,7 +232,7 @@ def give_births(
     and log.
     """
     points, triangles, growth = mesh.points, mesh.triangles, motion.growth
-    before, born, outer, within = mesh.counts.points, 0, NOTHING, NOTHING
+    before, born, outer, within = mesh.counts.points, 0, ABSENT, ABSENT
     heap, places, parents = shortlist.heap, shortlist.places, shortlist.parents
     list_points(mesh, growth, squares)
     size_rim(mesh, rim, crossings, count)
@@ -253,13 +253,13 @@ def give_births(
             _sink(heap, places, at, length)
         while born < wanted:
             largest = float(heap[0]) if length > 0 else shortlist.bar[0]
-            if outer == NOTHING and widest != NOTHING and rim.sizes[widest] > largest:
+            if outer == ABSENT and widest != ABSENT and rim.sizes[widest] > largest:
                 q = mesh.counts.points
                 within = _come_in(mesh, motion, squares, rim, crossings, widest, before, reach)
                 rim.sizes[widest] = 0
                 widest = largest_of(mesh, rim, crossings, count)
-                if within != NOTHING:
-                    outer, parents[born, 0] = q, NOTHING
+                if within != ABSENT:
+                    outer, parents[born, 0] = q, ABSENT
                     born += 1
                 continue
             if length == 0:
@@ -279,7 +279,7 @@ def give_births(
             if not holds(mesh, triangle, x, y):  # a sliver that no grid point lies in
                 continue
             near = too_near(mesh, growth, squares, before, x, y, grows, reach)
-            if near != NOTHING:
+            if near != ABSENT:
                 shortlist.listed[triangle] = near
                 continue
             points[q, 0], points[q, 1] = x, y
@@ -295,6 +295,6 @@ def give_births(
             born += 1
         if born == wanted:
             break
-    if outer != NOTHING:  # at last, since it leaves the triangulation far from regular
+    if outer != ABSENT:  # at last, since it leaves the triangulation far from regular
         add_point(mesh, motion, within, outer)
     return born

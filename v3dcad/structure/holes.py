@@ -15,7 +15,7 @@ from v3dcad.geometry.compiled.arrays import FloatArray, Int32Array, Int32Rows, I
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.predicates import orientation
-from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, Triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, Triangulation
 
 SHARE = 0.8
 """How far between the mean hole and the largest one the bar of a shortlist is."""
@@ -94,7 +94,7 @@ def list_holes(mesh: Triangulation, cut: Cut, shortlist: Shortlist, share: float
         triangle = cut.corners[vertex, 0]
         size = size_of(mesh, triangle)
         total += size
-        if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == NOTHING:
+        if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == ABSENT:
             listed[triangle] = 0
         if listed[triangle] == 0:
             largest = max(largest, size)
@@ -120,7 +120,7 @@ def look_again(mesh: Triangulation, cut: Cut, shortlist: Shortlist) -> bool:
         if cut.vertex_of[triangle] < 0:
             listed[triangle] = 0
         elif listed[triangle] == LISTED or listed[triangle] > BARREN:
-            if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == NOTHING:
+            if listed[triangle] > BARREN and mesh.triangle_of[listed[triangle]] == ABSENT:
                 listed[triangle] = LISTED
             holes[kept] = triangle
             kept += 1

@@ -24,7 +24,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.clipping.ring_walk import EDGE, INTO, SEGMENT, power, walk_rings
+from v3dcad.geometry.clipping.ring_walk import (
+    EDGE,
+    INTO,
+    SEGMENT,
+    Crossings,
+    LayerRings,
+    power,
+    walk_rings,
+)
 from v3dcad.geometry.compiled.arrays import (
     FloatArray,
     FloatRows,
@@ -34,7 +42,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
-from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, Triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, Triangulation
 from v3dcad.model import Floats
 
 MARGIN = 64
@@ -129,10 +137,10 @@ def size_rim(mesh: Triangulation, rim: Rim, crossings: Int32Rows, count: int) ->
 
 @compiled(INLINED)
 def largest_of(mesh: Triangulation, rim: Rim, crossings: Int32Rows, count: int) -> int:
-    """The crossing with the largest hole, or `NOTHING` where all are 0; of equal ones that between
+    """The crossing with the largest hole, or `ABSENT` where all are 0; of equal ones that between
     the cells that come first.
     """
-    largest, size, first, second = NOTHING, 0, 0, 0
+    largest, size, first, second = ABSENT, 0, 0, 0
     for crossing in range(count):
         if rim.sizes[crossing] > 0 and rim.sizes[crossing] >= size:
             i, j = cells_at(mesh, crossings, crossing)
@@ -149,7 +157,8 @@ def touching(
     growth at which it goes on to do so; an infinite weight where it cannot be found.
     """
     points, crossings, corners = mesh.points, rim.crossings, rim.corners
-    count = walk_rings(mesh, corners, rim.starts, rim.after, rim.begun_in, crossings, rim.at)
+    rings = LayerRings(corners, rim.after, rim.starts)
+    count = walk_rings(mesh, rings, Crossings(crossings, rim.at, mesh.stack, rim.begun_in))
     if count < 0:
         return np.inf, 0.0
     cell, crossing, weight, pace = rim.begun_in[0], 0, np.inf, 0.0

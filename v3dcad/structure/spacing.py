@@ -11,7 +11,7 @@ from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.grid import STEPS
 from v3dcad.geometry.power_diagram.triangle_mesh import (
-    NOTHING,
+    ABSENT,
     SENTINELS,
     Triangulation,
 )
@@ -77,7 +77,7 @@ def too_near(
     grows: int,
     reach: float,
 ) -> int:
-    """A point that a site at (x, y) would be too near to, or `NOTHING`: it must be apart from every
+    """A point that a site at (x, y) would be too near to, or `ABSENT`: it must be apart from every
     listed point that is not hidden, in another place than those that are, and apart from all
     points from `before` on.
     """
@@ -93,7 +93,7 @@ def too_near(
             while point >= 0:
                 if points[point, 0] == x and points[point, 1] == y:
                     return point
-                if live[point] != NOTHING and not is_apart(
+                if live[point] != ABSENT and not is_apart(
                     points, growth, point, x, y, grows, reach
                 ):
                     return point
@@ -101,4 +101,4 @@ def too_near(
     for point in range(before, mesh.counts.points):
         if not is_apart(points, growth, point, x, y, grows, reach):
             return point
-    return NOTHING
+    return ABSENT

@@ -9,7 +9,7 @@ from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import STEPS, Grid, curve_order
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, motion_of, resumed
 from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
-from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, SENTINELS
+from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, SENTINELS
 
 pytestmark = pytest.mark.filterwarnings("error")
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.filterwarnings("error")
 def triangles(mesh):
     """The triangles (t, 3), smallest point first, sorted."""
     corners = mesh.triangles[: mesh.counts.triangles, :3]
-    corners = corners[corners[:, 0] != NOTHING]
+    corners = corners[corners[:, 0] != ABSENT]
     turn = (np.argmin(corners, axis=1)[:, None] + np.arange(3)) % 3
     corners = np.take_along_axis(corners, turn, axis=1)
     return corners[np.lexsort(corners.T)]

@@ -26,13 +26,13 @@ from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.power_diagram.event_queue import Motion, strut
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
-    NOTHING,
     Triangulation,
     edge_to,
 )
 
-NONE, UNCROSSED = -1, -2
+UNLISTED, UNCROSSED = -1, -2
 """What `Cut.first_on` has for an edge without crossings: listed nowhere, or among the crossed."""
 
 
@@ -79,7 +79,7 @@ class Cut(NamedTuple):
     edge_at: Int32Array
     """(3 t,) int32: the whole edge of a half, or −1"""
     first_on: Int32Array
-    """(3 t,) int32: the first crossing on the edge with a key, `NONE` or `UNCROSSED`"""
+    """(3 t,) int32: the first crossing on the edge with a key, `UNLISTED` or `UNCROSSED`"""
     gain: Int32Rows
     """(3 t, 2) int32: what the winding number gains along it; and room for the next"""
     crossed: Int32Array
@@ -117,7 +117,7 @@ def empty_cut(points: int, triangles: int) -> Cut:
         sites=np.empty((3 * triangles, 2), np.int32),
         halves=np.empty((3 * triangles, 2), np.int32),
         edge_at=np.full(3 * triangles, -1, np.int32),
-        first_on=np.full(3 * triangles, NONE, np.int32),
+        first_on=np.full(3 * triangles, UNLISTED, np.int32),
         gain=np.zeros((3 * triangles, 2), np.int32),
         crossed=np.empty(3 * triangles, np.int32),
         pair_at=np.zeros(3 * triangles, np.int64),
@@ -242,13 +242,13 @@ def settle_edges(
             continue
         triangle, i, pair = key // 3, key % 3, 0
         other = triangles[triangle, ACROSS + i]
-        if triangles[triangle, 0] != NOTHING and other > triangle:
+        if triangles[triangle, 0] != ABSENT and other > triangle:
             right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
             whole = first_on[key] < 0 and inside[triangle] == 1 and inside[other] == 1
-            if not whole and first_on[key] == NONE and inside[triangle] != 0:
+            if not whole and first_on[key] == UNLISTED and inside[triangle] != 0:
                 cut.crossed[cut.state.crossed], first_on[key] = key, UNCROSSED
                 cut.state.crossed += 1
-            if whole or first_on[key] != NONE:
+            if whole or first_on[key] != UNLISTED:
                 pair = (min(right, left) << 32) + max(right, left)
             if whole and edge_at[key] < 0:
                 half = 3 * other + edge_to(triangles, other, triangle)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from v3dcad.geometry.clipping.interior import Cut
-from v3dcad.geometry.clipping.ring_walk import INTO, SEGMENT, WINDING
+from v3dcad.geometry.clipping.ring_walk import INTO, SEGMENT, WINDING, Crossings, LayerRings
 from v3dcad.geometry.compiled.arrays import (
     ConstIntArray,
-    FloatArray,
     FloatRows,
-    Int32Array,
-    Int32Rows,
     IntArray,
     IntRows,
 )
@@ -20,24 +19,27 @@ from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, Triangulation
 
 
+class Edges(NamedTuple):
+    """Room for edges, one behind the other."""
+
+    ends: IntRows
+    """(e, 2) vertices"""
+    sites: IntRows
+    """(e, 2) the sites to the right and to the left, i < j; −1 outside the section"""
+
+
 @linked(INTERNAL)
 def write_edges(
     mesh: Triangulation,
     cut: Cut,
     site_of: ConstIntArray,
-    corners: FloatRows,
-    starts: IntArray,
-    after: IntArray,
-    begun_in: IntArray,
-    crossings: Int32Rows,
-    at: FloatArray,
+    rings: LayerRings,
+    crossings: Crossings,
     count: int,
-    next_on: Int32Array,
-    edges: IntRows,
-    sites: IntRows,
+    edges: Edges,
     row: int,
 ) -> tuple[int, int]:
-    """Write all edges into `edges` and `sites` from `row` on: whole ones, the first pieces of
+    """Write all edges into `edges` from `row` on: whole ones, the first pieces of
     crossed ones, their further pieces, the rings. Returns where the first pieces and where the
     edges end: up to there each pair of neighbours comes once.
 
@@ -49,11 +51,14 @@ def write_edges(
     and so on, whatever rounding has made of the crossings' order.
     """
     points, triangles, inside = mesh.points, mesh.triangles, cut.inside
+    corners, starts, after = rings.corners, rings.starts, rings.after
+    crossed, at, next_on = crossings.rows, crossings.at, crossings.next_on
+    ends, sites = edges.ends, edges.sites
     vertex_of, first_on, inner = cut.vertex_of, cut.first_on, cut.state.vertices
     whole, whole_sites, crossing_base = cut.edges, cut.sites, inner + len(corners)
     for edge in range(cut.state.whole):
         for k in range(2):
-            edges[row + edge, k], sites[row + edge, k] = whole[edge, k], whole_sites[edge, k]
+            ends[row + edge, k], sites[row + edge, k] = whole[edge, k], whole_sites[edge, k]
     row += cut.state.whole
     length = row + cut.state.crossed
     for place in range(cut.state.crossed):
@@ -77,8 +82,8 @@ def write_edges(
                 else:
                     best, soonest, crossing = -1, np.inf, first_on[key]
                     while crossing >= 0:
-                        if crossings[crossing, WINDING] == gain:
-                            p = crossings[crossing, SEGMENT]
+                        if crossed[crossing, WINDING] == gain:
+                            p = crossed[crossing, SEGMENT]
                             q = after[p]
                             x = corners[p, 0] + at[crossing] * (corners[q, 0] - corners[p, 0])
                             y = corners[p, 1] + at[crossing] * (corners[q, 1] - corners[p, 1])
@@ -86,12 +91,12 @@ def write_edges(
                                 best, soonest = crossing, x * way_x + y * way_y
                         crossing = next_on[crossing]
                     if best >= 0:
-                        crossings[best, WINDING], end = 0, crossing_base + best  # taken
+                        crossed[best, WINDING], end = 0, crossing_base + best  # taken
                     elif far * gain < 0:
                         far, end = far + gain, vertex_of[other]
                 if end < 0:
                     break
-                edges[to, k ^ backwards] = end
+                ends[to, k ^ backwards] = end
             if end < 0:
                 break
             sites[to, 0], sites[to, 1] = low, high
@@ -99,42 +104,48 @@ def write_edges(
             to = length
     crossing = 0
     for ring in range(len(starts) - 1):
-        cell = begun_in[ring]
+        cell = crossings.begun_in[ring]
         for segment in range(starts[ring] - starts[0], starts[ring + 1] - starts[0]):
             begin = inner + segment
-            while crossing < count and crossings[crossing, SEGMENT] == segment:
-                edges[length, 0], edges[length, 1] = begin, crossing_base + crossing
+            while crossing < count and crossed[crossing, SEGMENT] == segment:
+                ends[length, 0], ends[length, 1] = begin, crossing_base + crossing
                 sites[length, 0], sites[length, 1] = -1, site_of[cell]
                 length += 1
-                begin, cell = crossing_base + crossing, crossings[crossing, INTO]
+                begin, cell = crossing_base + crossing, crossed[crossing, INTO]
                 crossing += 1
-            edges[length, 0], edges[length, 1] = begin, inner + after[segment]
+            ends[length, 0], ends[length, 1] = begin, inner + after[segment]
             sites[length, 0], sites[length, 1] = -1, site_of[cell]
             length += 1
     return row, length
 
 
+class Frame(NamedTuple):
+    """Where the grid lies, mm: its lower left corner, and its pitch."""
+
+    left: float
+    low: float
+    pitch: float
+
+
 @linked(INTERNAL)
 def place_vertices(
-    struts: FloatRows,
-    inner: int,
+    cut: Cut,
     time: float,
     corners: FloatRows,
     after: IntArray,
-    crossings: Int32Rows,
-    at: FloatArray,
+    crossings: Crossings,
     count: int,
-    left: float,
-    low: float,
-    pitch: float,
+    frame: Frame,
     vertices: FloatRows,
     row: int,
 ) -> int:
     """Write the vertices' coordinates, mm, into `vertices` from `row` on; returns the row after.
 
-    The rings' corners (r, 2) are in mm; (`left`, `low`), mm, and `pitch` say where the grid lies.
+    The rings' corners (r, 2) are in mm.
     """
-    for vertex in range(inner):
+    struts, crossed, at = cut.struts, crossings.rows, crossings.at
+    left, low, pitch = frame.left, frame.low, frame.pitch
+    for vertex in range(cut.state.vertices):
         vertices[row, 0] = left + pitch * (struts[vertex, 0] + time * struts[vertex, 2])
         vertices[row, 1] = low + pitch * (struts[vertex, 1] + time * struts[vertex, 3])
         row += 1
@@ -142,7 +153,7 @@ def place_vertices(
         vertices[row, 0], vertices[row, 1] = corners[corner, 0], corners[corner, 1]
         row += 1
     for crossing in range(count):
-        p = crossings[crossing, SEGMENT]
+        p = crossed[crossing, SEGMENT]
         q = after[p]
         for k in range(2):
             vertices[row, k] = corners[p, k] + at[crossing] * (corners[q, k] - corners[p, k])

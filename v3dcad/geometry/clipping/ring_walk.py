@@ -13,9 +13,12 @@ cell, over the diagram's edge that is dual to one of the triangulation.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from v3dcad.geometry.compiled.arrays import (
     FloatArray,
     FloatRows,
+    Int32Array,
     Int32Rows,
     IntArray,
     IntRows,
@@ -23,8 +26,8 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
-    NOTHING,
     SENTINELS,
     Triangulation,
     corner_at,
@@ -35,13 +38,38 @@ EDGE, WINDING, SEGMENT, INTO = range(4)
 """Columns of a crossing: 3 · triangle + edge; what the winding number gains along the diagram's
 edge from this triangle to the one across; the segment that crosses; the cell that it enters."""
 
+
+class LayerRings(NamedTuple):
+    """The rings of one section, to be walked."""
+
+    corners: FloatRows
+    """(r, 2) grid steps, ring after ring"""
+    after: IntArray
+    """(r,) the corner that follows each on its ring"""
+    starts: IntArray
+    """(rings + 1,) where each ring begins, counted from `starts[0]`"""
+
+
+class Crossings(NamedTuple):
+    """Where rings cross the diagram's edges, in the order of the walk, with room for more."""
+
+    rows: Int32Rows
+    """(c, 4) columns `EDGE`, `WINDING`, `SEGMENT`, `INTO`"""
+    at: FloatArray
+    """(c,) how far along the segment, 0 … 1"""
+    next_on: Int32Array
+    """(c,) the next crossing on the same edge, or −1"""
+    begun_in: IntArray
+    """(rings,) the cell that each ring begins in"""
+
+
 FULL, OPEN = -1, -2
 """What a walk returns instead of a number of crossings: where there is no room for one more, and
 where a ring does not close."""
 
 LAPS = 4
-"""A walk whose first point lies on an edge may end in the cell beside the one it began in; it then
-goes round once more from there."""
+"""How often a ring is walked at the most: a walk whose first point lies on an edge may end in the
+cell beside the one it began in, and is then repeated from there."""
 
 
 @compiled(INLINED)
@@ -107,7 +135,7 @@ def walk_segment(
     reached = 0.0
     while True:
         own = power(points, cell, bx, by)
-        ahead, crossed, winding, soonest, least = NOTHING, 0, 0, 2.0, 0.0
+        ahead, crossed, winding, soonest, least = ABSENT, 0, 0, 2.0, 0.0
         first = triangle_of[cell]
         triangle = first
         while True:
@@ -132,7 +160,7 @@ def walk_segment(
             triangle = triangles[triangle, ACROSS + (k + 1) % 3]
             if triangle == first:
                 break
-        if ahead == NOTHING:
+        if ahead == ABSENT:
             return count
         reached = min(max(reached, soonest), 1.0)
         if count == len(at):
@@ -145,23 +173,14 @@ def walk_segment(
 
 
 @linked(INTERNAL)
-def walk_rings(
-    mesh: Triangulation,
-    corners: FloatRows,
-    starts: IntArray,
-    after: IntArray,
-    begun_in: IntArray,
-    crossings: Int32Rows,
-    at: FloatArray,
-) -> int:
-    """Walk a layer's rings (corners (r, 2) in grid steps, `after` each the next on its ring; where
-    each ring begins, counted from anywhere).
+def walk_rings(mesh: Triangulation, rings: LayerRings, crossings: Crossings) -> int:
+    """Walk a layer's rings and write what they cross, but for `next_on`.
 
-    Fills `begun_in` (rings,) with the cell that each begins in, `crossings` and `at`; returns the
-    number of crossings, or else `FULL` or `OPEN`.
+    Returns the number of crossings, or else `FULL` or `OPEN`.
     """
+    corners, after, starts, begun_in = rings.corners, rings.after, rings.starts, crossings.begun_in
     cell, count = SENTINELS, 0
-    while mesh.triangle_of[cell] == NOTHING:
+    while mesh.triangle_of[cell] == ABSENT:
         cell += 1
     for ring in range(len(starts) - 1):
         start, stop = starts[ring] - starts[0], starts[ring + 1] - starts[0]
@@ -175,8 +194,8 @@ def walk_rings(
                 end = after[segment]
                 count = walk_segment(
                     mesh,
-                    crossings,
-                    at,
+                    crossings.rows,
+                    crossings.at,
                     count,
                     cell,
                     corners[segment, 0],
@@ -188,7 +207,7 @@ def walk_rings(
                 if count == FULL:
                     return FULL
                 if count > since:
-                    cell = crossings[count - 1, INTO]
+                    cell = crossings.rows[count - 1, INTO]
             if cell == begun_in[ring]:
                 break
             lap, count = lap + 1, since

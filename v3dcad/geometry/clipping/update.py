@@ -12,15 +12,15 @@ from v3dcad.geometry.clipping.interior import (
     drop_vertices,
     settle_edges,
 )
-from v3dcad.geometry.clipping.ring_walk import INTO
+from v3dcad.geometry.clipping.ring_walk import INTO, Crossings
 from v3dcad.geometry.clipping.winding_numbers import UNKNOWN, chain, wind
-from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array, Int32Rows, IntArray
+from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, Motion
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
-    NOTHING,
     Triangulation,
     edge_to,
 )
@@ -40,7 +40,7 @@ def _wind_everything(mesh: Triangulation, cut: Cut, touched: int, length: int) -
             listed[length] = triangle
             length += 1
         inside[triangle] = 0
-        if mesh.triangles[triangle, 0] != NOTHING:
+        if mesh.triangles[triangle, 0] != ABSENT:
             inside[triangle] = UNKNOWN
             picked[live] = triangle
             live += 1
@@ -55,9 +55,8 @@ def renew_cut(
     motion: Motion,
     cut: Cut,
     site_of: ConstIntArray,
-    crossings: Int32Rows,
+    crossings: Crossings,
     count: int,
-    next_on: Int32Array,
     walked: bool,
 ) -> None:
     """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
@@ -75,14 +74,14 @@ def renew_cut(
             touched += 1
     state.touched = 0
     for place in range(touched):  # freed ones have no winding number
-        if triangles[listed[place], 0] == NOTHING:
+        if triangles[listed[place], 0] == ABSENT:
             inside[listed[place]] = 0
     length, past, live = touched, 0, 0
     if walked:
         past = cut.state.crossed
-        length = chain(mesh, cut, crossings, count, next_on, touched)
+        length = chain(mesh, cut, crossings, count, touched)
     for place in range(length):
-        if triangles[listed[place], 0] != NOTHING:
+        if triangles[listed[place], 0] != ABSENT:
             picked[live] = listed[place]
             live += 1
     if not wind(mesh, inside, cut.gain, picked, live):
@@ -113,23 +112,22 @@ def renew_cut(
             keys[many] = 3 * triangle + i
             many += 1
             other = triangles[triangle, ACROSS + i]
-            if NOTHING < other < triangle and triangles[triangle, 0] != NOTHING:
+            if ABSENT < other < triangle and triangles[triangle, 0] != ABSENT:
                 keys[many] = 3 * other + edge_to(triangles, other, triangle)
                 many += 1
     settle_edges(mesh, cut, site_of, keys, many)
 
 
 @linked(INTERNAL)
-def count_cells(
-    cut: Cut, begun_in: IntArray, crossings: Int32Rows, count: int, seen: Int32Array, token: int
-) -> int:
+def count_cells(cut: Cut, crossings: Crossings, count: int, seen: Int32Array, token: int) -> int:
     """How many cells have a part inside. Marks those that rings pass in `seen` (p,) with a token
     not used before.
     """
     cells, filled = cut.state.filled, cut.filled
+    begun_in = crossings.begun_in
     for place in range(len(begun_in) + count):
         ring = place - count
-        cell = begun_in[ring] if ring >= 0 else crossings[place, INTO]
+        cell = begun_in[ring] if ring >= 0 else crossings.rows[place, INTO]
         if seen[cell] != token:
             seen[cell] = token
             cells += filled[cell] == 0

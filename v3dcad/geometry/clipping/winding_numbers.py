@@ -7,14 +7,14 @@ only right ones. Inside they are 1, but where a part is thinner than rounding.
 
 from __future__ import annotations
 
-from v3dcad.geometry.clipping.interior import NONE, Cut
-from v3dcad.geometry.clipping.ring_walk import EDGE, WINDING
+from v3dcad.geometry.clipping.interior import UNLISTED, Cut
+from v3dcad.geometry.clipping.ring_walk import EDGE, WINDING, Crossings
 from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
-    NOTHING,
     Triangulation,
     edge_to,
 )
@@ -42,7 +42,7 @@ def wind(
             winding = inside[triangle] if begun else UNKNOWN
             for i in range(3):
                 other = triangles[triangle, ACROSS + i]
-                if other == NOTHING:
+                if other == ABSENT:
                     continue
                 if triangle < other:
                     step = gain[3 * triangle + i, 0]
@@ -68,24 +68,24 @@ def wind(
 def chain(
     mesh: Triangulation,
     cut: Cut,
-    crossings: Int32Rows,
+    crossings: Crossings,
     count: int,
-    next_on: Int32Array,
     length: int,
 ) -> int:
     """Chain the crossings on each edge in place of those before, which come to `cut.former`; adds
     the triangles beside edges whose gain has changed to the first `length` of `cut.listed`, and
     returns how many are listed then.
     """
+    rows, next_on = crossings.rows, crossings.next_on
     triangles, inside, listed, former = mesh.triangles, cut.inside, cut.listed, cut.former
     first_on, gain, crossed, past = cut.first_on, cut.gain, cut.crossed, cut.state.crossed
     for place in range(past):
         former[place] = crossed[place]
-        first_on[former[place]] = NONE
+        first_on[former[place]] = UNLISTED
     some = 0
     for crossing in range(count):
-        key = crossings[crossing, EDGE]
-        gain[key, 1] += crossings[crossing, WINDING]
+        key = rows[crossing, EDGE]
+        gain[key, 1] += rows[crossing, WINDING]
         next_on[crossing] = first_on[key]
         if first_on[key] < 0:
             crossed[some] = key
@@ -93,14 +93,14 @@ def chain(
         first_on[key] = crossing
     cut.state.crossed = some
     for place in range(past + count):
-        key = former[place] if place < past else crossings[place - past, EDGE]
+        key = former[place] if place < past else rows[place - past, EDGE]
         if gain[key, 0] != gain[key, 1]:
             gain[key, 0] = gain[key, 1]
             for side in range(2):
                 triangle = triangles[key // 3, ACROSS + key % 3] if side else key // 3
                 if (
-                    triangle != NOTHING
-                    and triangles[triangle, 0] != NOTHING
+                    triangle != ABSENT
+                    and triangles[triangle, 0] != ABSENT
                     and inside[triangle] != UNKNOWN
                 ):
                     inside[triangle] = UNKNOWN
@@ -109,5 +109,5 @@ def chain(
     for place in range(past):
         gain[former[place], 1] = 0
     for crossing in range(count):
-        gain[crossings[crossing, EDGE], 1] = 0
+        gain[rows[crossing, EDGE], 1] = 0
     return length

@@ -18,8 +18,8 @@ from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL, compiled
 from v3dcad.geometry.graphs.spanning_tree import is_shorter, kruskal, root_of
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
-    NOTHING,
     SENTINELS,
     Triangulation,
     corner_at,
@@ -53,9 +53,9 @@ class Tree(NamedTuple):
 def empty_tree(points: int) -> Tree:
     """A tree of nothing, for up to so many points."""
     return Tree(
-        above=np.full(points, NOTHING, np.int32),
-        below=np.full(points, NOTHING, np.int32),
-        beside=np.full((points, 2), NOTHING, np.int32),
+        above=np.full(points, ABSENT, np.int32),
+        below=np.full(points, ABSENT, np.int32),
+        beside=np.full((points, 2), ABSENT, np.int32),
         mark=np.zeros(points, np.int32),
         found=np.empty((2, points), np.int32),
         marks=np.zeros(1, np.int64),
@@ -76,27 +76,27 @@ def tree_with_room(tree: Tree, points: int) -> Tree:
 def _cut_off(tree: Tree, point: int) -> None:
     """Take a point off the one that it hangs from, if it does."""
     above, beside = tree.above, tree.beside
-    if above[point] != NOTHING:
+    if above[point] != ABSENT:
         before, after = beside[point, 0], beside[point, 1]
-        if before == NOTHING:
+        if before == ABSENT:
             tree.below[above[point]] = after
         else:
             beside[before, 1] = after
-        if after != NOTHING:
+        if after != ABSENT:
             beside[after, 0] = before
-        above[point] = NOTHING
+        above[point] = ABSENT
 
 
 @linked(INTERNAL)
 def _hang(tree: Tree, point: int, under: int) -> None:
     """Turn the piece that a point belongs to so that it is its root, and hang it under another."""
     above, below, beside = tree.above, tree.below, tree.beside
-    while point != NOTHING:
+    while point != ABSENT:
         following, first = above[point], below[under]
         _cut_off(tree, point)
         above[point], below[under] = under, point
-        beside[point, 0], beside[point, 1] = NOTHING, first
-        if first != NOTHING:
+        beside[point, 0], beside[point, 1] = ABSENT, first
+        if first != ABSENT:
             beside[first, 0] = point
         point, under = following, point
 
@@ -105,7 +105,7 @@ def _hang(tree: Tree, point: int, under: int) -> None:
 def _key_of(triangles: Int32Rows, pair_at: IntArray, triangle: int, i: int) -> int:
     """The key of edge i of a triangle, if the graph has that edge; else −1."""
     other = triangles[triangle, ACROSS + i]
-    if other == NOTHING:
+    if other == ABSENT:
         return -1
     key = 3 * triangle + i
     if other < triangle:
@@ -133,7 +133,7 @@ def _may_be_branch(points: IntRows, triangles: Int32Rows, pair_at: IntArray, key
 def _are_joined(mesh: Triangulation, pair_at: IntArray, a: int, b: int) -> bool:
     """Whether the graph has an edge a–b."""
     triangles, first = mesh.triangles, mesh.triangle_of[a]
-    if first == NOTHING:
+    if first == ABSENT:
         return False
     triangle = first
     while True:
@@ -163,25 +163,25 @@ def _replace(mesh: Triangulation, cut: Cut, tree: Tree, lost: int) -> None:
         for side in range(2):
             point, own = found[side, place], token + side
             other, child = above[point], tree.below[point]
-            while other != NOTHING or child != NOTHING:
-                if other != NOTHING and mark[other] != own:
+            while other != ABSENT or child != ABSENT:
+                if other != ABSENT and mark[other] != own:
                     mark[other] = own
                     found[side, sizes[side]] = other
                     sizes[side] += 1
                 other = child
-                child = NOTHING if child == NOTHING else beside[child, 1]
+                child = ABSENT if child == ABSENT else beside[child, 1]
         place += 1
     side = 0 if place == sizes[0] else 1
-    inner, outer = NOTHING, NOTHING
+    inner, outer = ABSENT, ABSENT
     for place in range(sizes[side]):
         point = found[side, place]
         first = mesh.triangle_of[point]
         triangle = first
-        while triangle != NOTHING:
+        while triangle != ABSENT:
             k = corner_at(triangles, triangle, point)
             other = triangles[triangle, (k + 1) % 3]
             if mark[other] != token + side and (
-                inner == NOTHING or is_shorter(points, point, other, inner, outer)
+                inner == ABSENT or is_shorter(points, point, other, inner, outer)
             ):
                 key = _key_of(triangles, pair_at, triangle, (k + 2) % 3)
                 if key >= 0 and (before[key] < 0 or before[key] == pair_at[key]):
@@ -189,7 +189,7 @@ def _replace(mesh: Triangulation, cut: Cut, tree: Tree, lost: int) -> None:
             triangle = triangles[triangle, ACROSS + (k + 1) % 3]
             if triangle == first:
                 break
-    if inner != NOTHING:
+    if inner != ABSENT:
         _hang(tree, inner, outer)
 
 
@@ -199,23 +199,23 @@ def _join(mesh: Triangulation, tree: Tree, a: int, b: int) -> None:
     points, above, mark = mesh.points, tree.above, tree.mark
     tree.marks[0] += 2
     own, other = tree.marks[0], tree.marks[0] + 1
-    near, far, meeting = a, b, NOTHING
-    while near != NOTHING or far != NOTHING:  # up from both, by turns
-        if near != NOTHING:
+    near, far, meeting = a, b, ABSENT
+    while near != ABSENT or far != ABSENT:  # up from both, by turns
+        if near != ABSENT:
             if mark[near] == other:
                 meeting = near
                 break
             mark[near] = own
             near = above[near]
         near, far, own, other = far, near, other, own
-    if meeting == NOTHING:
+    if meeting == ABSENT:
         _hang(tree, b, a)
         return
-    longest, start = NOTHING, a
+    longest, start = ABSENT, a
     for end in (a, b):
         point = end
         while point != meeting:
-            if longest == NOTHING or is_shorter(
+            if longest == ABSENT or is_shorter(
                 points, longest, above[longest], point, above[point]
             ):
                 longest, start = point, end
@@ -239,7 +239,7 @@ def _make_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
             many += 1
     for point in range(mesh.counts.points):
         size[point], piece[point] = 1, point
-        tree.above[point] = tree.below[point] = NOTHING
+        tree.above[point] = tree.below[point] = ABSENT
     branches = kruskal(points, pairs[:many])
     for branch in range(len(branches)):
         a, b = branches[branch, 0], branches[branch, 1]
@@ -294,7 +294,7 @@ def write_tree(
     """Write the tree's pairs of sites, i < j, from `row` on; returns the row after."""
     above = tree.above
     for point in range(SENTINELS, mesh.counts.points):
-        if above[point] != NOTHING:
+        if above[point] != ABSENT:
             i, j = site_of[point], site_of[above[point]]
             branches[row, 0], branches[row, 1] = min(i, j), max(i, j)
             row += 1

@@ -32,11 +32,11 @@ from v3dcad.geometry.power_diagram.grid import HEAVIEST
 from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.regular_triangulation import build
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
     FLIP,
     FLIP_HIDE_SECOND,
     HIDE_THIRD,
-    NOTHING,
     STUCK,
     Triangulation,
     carry_out,
@@ -52,7 +52,7 @@ def _certify(mesh: Triangulation, motion: Motion, triangle: int, i: int, earlies
     """Enter when the exact test of an edge is due, no sooner than `earliest`."""
     triangles = mesh.triangles
     other = triangles[triangle, ACROSS + i]
-    if other == NOTHING:
+    if other == ABSENT:
         return
     j = edge_to(triangles, other, triangle)
     if other < triangle:  # the edge goes by its smaller triangle
@@ -119,7 +119,7 @@ def certify_all(mesh: Triangulation, motion: Motion) -> None:
     triangles = mesh.triangles
     for triangle in range(mesh.counts.triangles):
         motion.begun[triangle] = motion.moment[0]
-        if triangles[triangle, 0] != NOTHING:
+        if triangles[triangle, 0] != ABSENT:
             for i in range(3):
                 if triangles[triangle, ACROSS + i] > triangle:
                     _certify(mesh, motion, triangle, i, -NEVER)
@@ -144,7 +144,7 @@ def advance(mesh: Triangulation, motion: Motion, time: int) -> int:
                 return Ending.NO_FLIP
             # Edges that could not be flipped: another flip may have freed them.
             for at in range(waiting):
-                if triangles[stuck[at] // 3, 0] != NOTHING:
+                if triangles[stuck[at] // 3, 0] != ABSENT:
                     _certify(mesh, motion, stuck[at] // 3, stuck[at] % 3, -NEVER)
             waiting, flipped = 0, False
             continue
@@ -235,7 +235,7 @@ def all_ended(mesh: Triangulation, motion: Motion) -> Motion:
     """The motion with every triangle that has lasted any time logged as ended at this moment."""
     some = slice(0, int(mesh.counts.triangles))
     corners, begun, moment = mesh.triangles[some, :3], motion.begun[some], motion.moment[0]
-    ended = (corners[:, 0] != NOTHING) & (begun < moment)
+    ended = (corners[:, 0] != ABSENT) & (begun < moment)
     corners, begun = corners[ended], begun[ended]
     motion = with_log(motion, len(corners))
     rows = slice(int(motion.state.struts), int(motion.state.struts) + len(corners))

@@ -15,9 +15,9 @@ from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED, compi
 from v3dcad.geometry.power_diagram.grid import STEPS
 from v3dcad.geometry.power_diagram.predicates import conflicts
 from v3dcad.geometry.power_diagram.triangle_mesh import (
+    ABSENT,
     ACROSS,
     FAR,
-    NOTHING,
     SENTINELS,
     STUCK,
     MeshCounts,
@@ -38,18 +38,18 @@ def locate(mesh: Triangulation, triangle: int, px: int, py: int) -> int:
     (Edelsbrunner, "An acyclicity theorem for cell complexes", Combinatorica 1990).
     """
     points, triangles = mesh.points, mesh.triangles
-    before = NOTHING
+    before = ABSENT
     while True:
-        ahead = NOTHING
+        ahead = ABSENT
         for i in range(3):
             other = triangles[triangle, ACROSS + i]
-            if other not in (before, NOTHING):
+            if other not in (before, ABSENT):
                 a, b = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
                 ax, ay = points[a, 0], points[a, 1]
                 if (points[b, 0] - ax) * (py - ay) < (points[b, 1] - ay) * (px - ax):
                     ahead = other
                     break
-        if ahead == NOTHING:
+        if ahead == ABSENT:
             return triangle
         before, triangle = triangle, ahead
 
@@ -73,7 +73,7 @@ def insert(mesh: Triangulation, point: int, triangle: int) -> int:
     triangle = locate(mesh, triangle, points[point, 0], points[point, 1])
     a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
     if not conflicts(points, a, b, c, point):
-        mesh.triangle_of[point] = NOTHING
+        mesh.triangle_of[point] = ABSENT
         return triangle
     second, third = split(mesh, triangle, point)
     stack[0], stack[1], stack[2] = triangle, second, third
@@ -83,7 +83,7 @@ def insert(mesh: Triangulation, point: int, triangle: int) -> int:
         triangle = stack[waiting]
         other = triangles[triangle, ACROSS]
         # All that changes has the new point, as its first corner.
-        if triangles[triangle, 0] == point and other != NOTHING:
+        if triangles[triangle, 0] == point and other != ABSENT:
             d = triangles[other, edge_to(triangles, other, triangle)]
             if conflicts(points, point, triangles[triangle, 1], triangles[triangle, 2], d):
                 kind, other, near, far = plan(mesh, triangle, 0)
@@ -115,7 +115,7 @@ def build(mesh: Triangulation, count: int) -> None:
         mesh.triangle_of[point] = point // 3
     for i, first, second in ((0, 0, 0), (1, 1, 2), (2, 2, 3)):
         triangles[0, i], triangles[1, i] = first, second
-        triangles[0, ACROSS + i] = triangles[1, ACROSS + i] = NOTHING
+        triangles[0, ACROSS + i] = triangles[1, ACROSS + i] = ABSENT
     triangles[0, ACROSS + 1], triangles[1, ACROSS + 2] = 1, 0
     mesh.counts.points, mesh.counts.triangles, mesh.counts.free = count, 2, 0
     triangle = 0
@@ -147,7 +147,7 @@ def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
 def neighbour_pairs(mesh: Triangulation, order: Ints) -> Ints:
     """(m, 2) pairs i < j of points that share an edge; `order` (n,) numbers the mesh's points."""
     corners = mesh.triangles[: mesh.counts.triangles, :3]
-    corners = corners[corners[:, 0] != NOTHING].astype(np.int64) - SENTINELS
+    corners = corners[corners[:, 0] != ABSENT].astype(np.int64) - SENTINELS
     ends = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends = ends[(ends >= 0).all(axis=1) & (ends[:, 0] < ends[:, 1])]
     return np.sort(order[ends], axis=1)

@@ -22,7 +22,7 @@ FAR = 4 * STEPS
 """How far outside the frame the sentinels stand, in grid steps."""
 
 
-NOTHING = -1
+ABSENT = -1
 """No triangle: beyond the hull, or of a hidden point. Also the first corner of a freed slot."""
 
 
@@ -49,7 +49,7 @@ class Triangulation(NamedTuple):
     points: IntRows
     """(p, 3) int64: x and y in grid steps, weight in steps²"""
     triangle_of: Int32Array
-    """(p,) int32: one triangle at the point, or `NOTHING` where the point is hidden"""
+    """(p,) int32: one triangle at the point, or `ABSENT` where the point is hidden"""
     triangles: Int32Rows
     """(t, 6) int32: three corners, and the triangles across edges 0, 1 and 2"""
     free: Int32Array
@@ -77,7 +77,7 @@ def corner_at(triangles: Int32Rows, triangle: int, point: int) -> int:
 
 @compiled(INLINED)
 def _relink(triangles: Int32Rows, triangle: int, before: int, now: int) -> None:
-    if triangle != NOTHING:
+    if triangle != ABSENT:
         triangles[triangle, ACROSS + edge_to(triangles, triangle, before)] = now
 
 
@@ -131,7 +131,7 @@ def plan(mesh: Triangulation, triangle: int, i: int) -> tuple[int, int, int, int
     """What to do about edge i of a triangle, which is not regular.
 
     Let the corners be a, b, c from i on, and d the one across. Returns what, and three triangles:
-    the one across, and those of a, d and a hidden point (`NOTHING` where there is none).
+    the one across, and those of a, d and a hidden point (`ABSENT` where there is none).
 
     - `FLIP`: d sees a between b and c: triangles a, b, d and a, d, c.
     - `HIDE_SECOND`, `HIDE_THIRD`: b (or c) has three triangles and becomes hidden.
@@ -146,7 +146,7 @@ def plan(mesh: Triangulation, triangle: int, i: int) -> tuple[int, int, int, int
     side_b = orientation(points, a, triangles[triangle, next_i], d)
     side_c = orientation(points, a, d, triangles[triangle, last_i])
     if side_b > 0 and side_c > 0:
-        return FLIP, other, NOTHING, NOTHING
+        return FLIP, other, ABSENT, ABSENT
     if side_b <= 0:
         near = triangles[triangle, ACROSS + last_i]
         far = triangles[other, ACROSS + (j + 1) % 3]
@@ -155,7 +155,7 @@ def plan(mesh: Triangulation, triangle: int, i: int) -> tuple[int, int, int, int
         near = triangles[triangle, ACROSS + next_i]
         far = triangles[other, ACROSS + (j + 2) % 3]
         side, hide, flip_hide = side_c, HIDE_THIRD, FLIP_HIDE_THIRD
-    if near != NOTHING and far != NOTHING:
+    if near != ABSENT and far != ABSENT:
         if near == far:
             return hide, other, near, far
         if side == 0 and triangles[far, ACROSS + edge_to(triangles, far, near)] == near:
@@ -196,8 +196,8 @@ def _hide(mesh: Triangulation, triangle: int, i: int, other: int, third: int, se
         _place(mesh, triangle, a, kept, d, over, beyond, beside)
     _relink(triangles, over, other, triangle)
     _relink(triangles, beyond, third, triangle)
-    mesh.triangle_of[hidden] = NOTHING
-    triangles[other, 0] = triangles[third, 0] = NOTHING
+    mesh.triangle_of[hidden] = ABSENT
+    triangles[other, 0] = triangles[third, 0] = ABSENT
     freed = mesh.counts.free
     mesh.free[freed], mesh.free[freed + 1] = other, third
     mesh.counts.free = freed + 2

@@ -8,6 +8,7 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.clipping.interior import cut_with_room, empty_cut
+from v3dcad.geometry.clipping.planar_graph import Frame
 from v3dcad.geometry.clipping.ring_validity import winding_fault
 from v3dcad.geometry.graphs.dynamic_spanning_tree import empty_tree, tree_with_room
 from v3dcad.geometry.power_diagram.ending import Ending
@@ -22,7 +23,7 @@ from v3dcad.geometry.power_diagram.kinetic_triangulation import (
     with_room,
 )
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
-from v3dcad.geometry.power_diagram.triangle_mesh import NOTHING, SENTINELS
+from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, SENTINELS
 from v3dcad.model import Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.holes import no_shortlist
 from v3dcad.structure.rim import rim_of
@@ -139,7 +140,7 @@ class Course:
             self._end_epoch()
             now = int(self.motion.state.last)
             rows = slice(SENTINELS, int(self.mesh.counts.points))
-            lives = self.mesh.triangle_of[rows] != NOTHING
+            lives = self.mesh.triangle_of[rows] != ABSENT
             following = Epoch(
                 epoch.start + now,
                 epoch.weight + epoch.growth * now + int(self.mesh.points[rows, 2].max()),
@@ -192,7 +193,7 @@ class Course:
         last = int(times_of(np.array([self.top]), self.growth_step, self.grid)[0])
         if self.times[0] == last:  # nothing has moved
             corners = self.mesh.triangles[: self.mesh.counts.triangles, :3]
-            corners = corners[corners[:, 0] != NOTHING].astype(np.int64)
+            corners = corners[corners[:, 0] != ABSENT].astype(np.int64)
             spans = np.tile([self.heights[0], self.top], (len(corners), 1))
             times = np.full(spans.shape, float(last - self.epochs[-1].start))
             return self._tracks(corners, times, spans)
@@ -261,9 +262,7 @@ class Course:
             self.times[index : index + len(rings.areas)] - self.epochs[-1].start,
             walks(self._crossings, len(rings.starts), room),
             made,
-            float(left),
-            float(low),
-            self.grid.pitch,
+            Frame(float(left), float(low), self.grid.pitch),
             self.growth_step / (2 * self.slope) / self.grid.pitch,
             full_cell,
         )

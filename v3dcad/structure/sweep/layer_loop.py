@@ -11,8 +11,16 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.clipping.interior import Cut
-from v3dcad.geometry.clipping.planar_graph import place_vertices, write_edges
-from v3dcad.geometry.clipping.ring_walk import EDGE, INTO, OPEN, SEGMENT, walk_rings
+from v3dcad.geometry.clipping.planar_graph import Edges, Frame, place_vertices, write_edges
+from v3dcad.geometry.clipping.ring_walk import (
+    EDGE,
+    INTO,
+    OPEN,
+    SEGMENT,
+    Crossings,
+    LayerRings,
+    walk_rings,
+)
 from v3dcad.geometry.clipping.update import count_cells, renew_cut
 from v3dcad.geometry.compiled.arrays import (
     ConstIntArray,
@@ -164,24 +172,23 @@ def run(
     times: ConstIntArray,
     walks: Walks,
     made: Run,
-    left: float,
-    low: float,
-    pitch: float,
+    frame: Frame,
     reach: float,
     full_cell: float,
 ) -> None:
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
     `cut` and `tree` are those of the layer before; newborns from outside are noted in `rim`.
-    `site_of` (p,) gives each point's site; (`left`, `low`), mm, and `pitch` say where the grid
-    lies. Births are given where the area per cell is above `full_cell`, mm² (infinite: none), at a
-    distance of `reach` grid steps per unit of growth; once at a time.
+    `site_of` (p,) gives each point's site, `frame` says where the grid lies. Births are given where
+    the area per cell is above `full_cell`, mm² (infinite: none), at a distance of `reach` grid
+    steps per unit of growth; once at a time.
     """
-    outcome, rows, vertices, edges = made.outcome, made.rows, made.vertices, made.edges
+    outcome, rows, vertices = made.outcome, made.rows, made.vertices
+    edges = Edges(made.edges, made.sites)
     crossings, before, at, at_before = (
         walks.crossings[0], walks.crossings[1], walks.at[0], walks.at[1]
     )  # fmt: skip
-    next_on, seen, token = walks.next_on, walks.seen, 0
+    seen, token = walks.seen, 0
     after_before, begun_before = rings.after[:0], walks.begun_in[:0]
     graph, count, count_before, live_cells = -1, 0, 0, 0
     for layer in range(len(times)):
@@ -196,9 +203,11 @@ def run(
         corners, stepped = rings.corners[first:last], rings.stepped[first:last]
         after, starts = rings.after[first:last], rings.starts[rings_from : rings_to + 1]
         begun_in, fresh, walked = walks.begun_in[rings_from:rings_to], False, True
+        layer_rings = LayerRings(stepped, after, starts)
+        walk = Crossings(crossings, at, walks.next_on, begun_in)
         while True:
             if walked:
-                count = walk_rings(mesh, stepped, starts, after, begun_in, crossings, at)
+                count = walk_rings(mesh, layer_rings, walk)
                 if count < 0:
                     outcome.ending = Ending.RING_OPEN if count == OPEN else Ending.CROSSINGS_FULL
                     break
@@ -211,9 +220,9 @@ def run(
                 or not _same_crossings(before, count_before, crossings, count)
             ):
                 fresh = True
-                renew_cut(mesh, motion, cut, site_of, crossings, count, next_on, walked)
+                renew_cut(mesh, motion, cut, site_of, walk, count, walked)
                 token += 1
-                live_cells = count_cells(cut, begun_in, crossings, count, seen, token)
+                live_cells = count_cells(cut, walk, count, seen, token)
             # No place has two newborns, however small the first layer's cells were.
             wanted = np.ceil(rings.areas[layer] / full_cell - 1e-9) - live_cells
             wanted = int(min(wanted, float(cut.state.vertices + count)))
@@ -242,13 +251,12 @@ def run(
             row = rows[graph, EDGE_ROW]
             room = 2 * cut.state.highest_winding * cut.state.crossed + len(corners) + 2 * count
             room += cut.state.whole
-            if row + room > len(edges):
+            if row + room > len(edges.ends):
                 outcome.ending, outcome.room = Ending.OUTPUT_FULL, room
                 break
             rows[graph, PAIR_ROW], rows[graph + 1, EDGE_ROW] = write_edges(
-                mesh, cut, site_of, stepped, starts, after, begun_in, crossings, at, count,
-                next_on, edges, made.sites, row,
-            )  # fmt: skip
+                mesh, cut, site_of, layer_rings, walk, count, edges, row
+            )
             renew_tree(mesh, cut, tree)
             row = rows[graph, TREE_ROW]
             if row + mesh.counts.points > len(made.tree):
@@ -261,9 +269,8 @@ def run(
             outcome.ending, outcome.room = Ending.OUTPUT_FULL, room
             break
         rows[layer + 1, VERTEX_ROW] = place_vertices(
-            cut.struts, cut.state.vertices, times[layer], corners, after, crossings, at, count,
-            left, low, pitch, vertices, row,
-        )  # fmt: skip
+            cut, times[layer], corners, after, walk, count, frame, vertices, row
+        )
         before, crossings, count_before = crossings, before, count
         at_before, at = at, at_before
         rows[layer, POINT_COUNT] = mesh.counts.points
