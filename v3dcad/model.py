@@ -176,18 +176,42 @@ class Part(Protocol):
         """Its surface as triangles."""
 
 
+class SiteState(Protocol):
+    """The sites of a structure and what they weigh on one layer, rows by site number.
+
+    Sites without a cell on the layer are among them.
+    """
+
+    @property
+    def sites(self) -> Floats:
+        """(n, 3) mm, bed coordinates; z is 0 for sites that are points of a plane."""
+
+    @property
+    def weights(self) -> Floats:
+        """(n,) mm², but for what is common to all."""
+
+    @property
+    def growth(self) -> Floats:
+        """(n,) mm² per mm of height."""
+
+    def present(self) -> Ints:
+        """(p,) the sites that may have a cell here, ascending: all that have one are among them."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
-class SiteState(Value):
-    """The sites of one layer and what they weigh there."""
+class PlaneSites(Value):
+    """Sites of one layer whose weights are arrays."""
 
     sites: Floats
-    """(n, 2) mm"""
+    """(n, 3) mm"""
     weights: Floats
     """(n,) mm²"""
     growth: Floats
     """(n,) mm² per mm of height"""
-    born_at: Floats
-    """(n,) mm; 0 for those that were there from the start"""
+
+    def present(self) -> Ints:
+        """(n,) all sites."""
+        return np.arange(len(self.weights))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -52,14 +52,17 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     says = f"{known.help[:-1]} ({known.unit})." if known.unit else known.help
     if "\n" not in str(default):
         says += f" Default: {default}."
+    if known.method is not None:
+        says += f" Method {known.method} only."
+    number = ("NUMBER", *known.words) if known.words else ()
     shown = typer.Option(
         *names,
         help=says,
-        metavar="|".join(known.choices) or known.metavar or (known.word and f"NUMBER|{known.word}"),
-        parser=_number_or_word if known.word else None,
+        metavar="|".join(known.choices) or known.metavar or "|".join(number) or None,
+        parser=_number_or_word if known.words else None,
         rich_help_panel=(cls.__doc__ or "").split(".")[0],
     )
-    annotation: Any = Annotated[Any if known.word else kind | None, shown]
+    annotation: Any = Annotated[Any if known.words else kind | None, shown]
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation
     )
@@ -69,7 +72,7 @@ def _number_or_word(text: str) -> float | str:
     try:
         return float(text)
     except ValueError:
-        return text  # the setting's declaration says whether it is the word
+        return text  # the setting's declaration says whether it is one of its words
 
 
 def given(cls: type[Checked], arguments: dict[str, Any]) -> dict[str, Any]:

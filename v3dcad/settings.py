@@ -28,20 +28,27 @@ class Declared:
     least: float = -math.inf
     most: float = math.inf
     choices: tuple[str, ...] = ()
-    word: str | None = None
-    """a word that a number's place may take"""
+    words: tuple[str, ...] = ()
+    """words that may take a number's place"""
+    also: tuple[float, ...] = ()
+    """numbers that are allowed outside the range"""
+    method: str | None = None
+    """the method that it is a setting of; None: of all"""
 
     def check(self, name: str, value: object) -> None:
         """Raise `SettingError` unless a value is a declared choice, or lies in the range."""
         if self.choices and value not in self.choices:
             raise SettingError(name, f"{option(name)} {value}: give {' or '.join(self.choices)}")
-        if value == self.word or (isinstance(value, str) and self.word is None):
+        if isinstance(value, str) and (value in self.words or not self.words):
             return
         if not isinstance(value, (int, float)):
-            raise SettingError(name, f"{option(name)} {value}: give a number or {self.word}")
+            words = " or ".join(["a number", *self.words])
+            raise SettingError(name, f"{option(name)} {value}: give {words}")
         unit = f" {self.unit}" if self.unit else ""
         if not math.isfinite(value):
             raise SettingError(name, f"{option(name)} {value}: give a finite number{unit}")
+        if value in self.also:
+            return
         if value <= self.above:
             raise SettingError(
                 name, f"{option(name)} {value}: give a number above {self.above:g}{unit}"
@@ -115,48 +122,89 @@ class SectionSettings(Checked):
 class FillSettings(SectionSettings):
     """How a part is filled."""
 
-    offset: float | str = setting(
+    method: str = setting(
+        "foam",
+        "What the part is filled with: a foam of cells in space, or the thesis's own structure.",
+        choices=("foam", "thesis"),
+    )
+    cell_size: float | str = setting(
         "auto",
-        "Weight that a growing cell gains in each layer; auto takes the largest that "
-        "--max-overhang allows (at 90, what 45 would), less on parts many times higher than wide.",
-        unit="mm²",
-        least=0,
-        word="auto",
+        "Size of the cells: a horizontal section has one for each square of this side; auto takes "
+        "40 in the base rectangle, from 3 to 15 mm.",
+        unit="mm",
+        above=0,
+        words=("auto",),
+        method="foam",
+    )
+    stretch: float | str = setting(
+        "auto",
+        "How many times as tall as wide cells are, about; auto takes the least that --max-overhang "
+        "allows. columns makes upright walls.",
+        least=1,
+        most=100,
+        words=("auto", "columns"),
+        method="foam",
     )
     max_overhang: float = setting(
         45.0,
-        "Largest tilt of a wall from the vertical; 90 allows any.",
+        "Largest tilt of a wall from the vertical, 10 to 80; 90 allows any.",
         unit="°",
-        above=0,
-        most=90,
+        least=10,
+        most=80,
+        also=(90.0,),
+    )
+    random_seed: int = setting(
+        0, "Another number gives other cells of the same kind.", least=0, most=2**63 - 1
     )
     sites: int = setting(
-        40, "Number of sites, scattered evenly in the base rectangle.", least=1, most=200_000
+        40,
+        "Number of sites, scattered evenly in the base rectangle.",
+        least=1,
+        most=200_000,
+        method="thesis",
     )
-    random_seed: int = setting(0, "Seed of the scatter.", least=0, most=2**63 - 1)
-    insertion: bool = setting(True, "New cells are born where cells have become too large.")
-    method: str = setting(
-        "continuous",
-        "How cells are born: continuous, or as in the thesis.",
-        choices=("continuous", "thesis"),
+    offset: float | str = setting(
+        "auto",
+        "Weight that a growing cell gains in each layer; auto takes the largest that "
+        "--max-overhang allows (at 90, what 45 would).",
+        unit="mm²",
+        least=0,
+        words=("auto",),
+        method="thesis",
+    )
+    insertion: bool = setting(
+        True, "New cells come in where cells have become too large.", method="thesis"
     )
     interpolate: bool = setting(
         False,
-        "Compute the first and last layer only and loft between them, cell by cell "
-        "(thesis's method).",
+        "Compute the first and last layer only and loft between them, cell by cell.",
+        method="thesis",
     )
     boundary_tolerance: float = setting(
         0.01,
-        "How close to the contour a corner counts as on it (thesis's method).",
+        "How close to the contour a corner counts as on it.",
         unit="mm",
         above=0,
+        method="thesis",
     )
     weight_step: float = setting(
         0.0,
-        "Steps in which an inserted cell's weight is lowered (thesis's method); 0 for the offset.",
+        "Steps in which an inserted cell's weight is lowered; 0 for the offset.",
         unit="mm²",
         least=0,
+        method="thesis",
     )
+
+    def __post_init__(self) -> None:
+        Checked.__post_init__(self)
+        for name, field in FillSettings.__dataclass_fields__.items():
+            method = declared(FillSettings, name).method
+            if method not in (None, self.method) and getattr(self, name) != field.default:
+                raise SettingError(
+                    name,
+                    f"{option(name)} is a setting of --method {method}, not of {self.method}: "
+                    "leave it out, or choose that method",
+                )
 
 
 START = """\

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import (
-    ConstIntArray,
     FloatRows,
     Int32Array,
     Int32Rows,
@@ -25,6 +24,7 @@ from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.power_diagram.event_queue import Motion, strut
+from v3dcad.geometry.power_diagram.predicates import NUMBER
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ABSENT,
     ACROSS,
@@ -34,10 +34,6 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
 
 UNLISTED, UNCROSSED = -1, -2
 """What `Cut.first_on` has for an edge without crossings: listed nowhere, or among the crossed."""
-
-
-TOO_MANY = -1
-"""How many entries `fresh` has when there were more than it can hold."""
 
 
 class CutCounts(Record):
@@ -53,8 +49,6 @@ class CutCounts(Record):
     """edges that rings cross"""
     changed: int
     """entries of `changed`"""
-    fresh: int
-    """entries of `fresh`, or `TOO_MANY`"""
     highest_winding: int
     """the largest winding number, of either sign, that an inner vertex has had"""
 
@@ -91,8 +85,6 @@ class Cut(NamedTuple):
     """(3 t,) int64: the same before the last changes; −1 where there were none"""
     changed: Int32Array
     """(3 t,) int32: keys with changes"""
-    fresh: Int32Array
-    """(t,) int32: triangles of new inner vertices, since somebody last emptied this list"""
     filled: Int32Array
     """(p,) int32: how many inner vertices each cell has"""
     listed: Int32Array
@@ -123,7 +115,6 @@ def empty_cut(points: int, triangles: int) -> Cut:
         pair_at=np.zeros(3 * triangles, np.int64),
         before=np.full(3 * triangles, -1, np.int64),
         changed=np.empty(3 * triangles, np.int32),
-        fresh=np.empty(triangles, np.int32),
         filled=np.zeros(points, np.int32),
         listed=np.empty(triangles, np.int32),
         picked=np.empty(triangles, np.int32),
@@ -131,15 +122,6 @@ def empty_cut(points: int, triangles: int) -> Cut:
         former=np.empty(3 * triangles, np.int32),
         state=CutCounts.of(),
     )
-
-
-def cut_with_room(cut: Cut, points: int, triangles: int) -> Cut:
-    """The same with room for so many points and triangles."""
-    longer = empty_cut(points, triangles)._replace(state=cut.state)
-    for name, column in cut._asdict().items():
-        if name != "state":
-            getattr(longer, name)[: len(column)] = column
-    return longer
 
 
 @linked(INTERNAL)
@@ -197,8 +179,8 @@ def add_vertices(
     """Number those of the listed triangles that lie inside and have no vertex yet."""
     points, triangles, base, growth = mesh.points, mesh.triangles, motion.base, motion.growth
     vertex_of, corners, struts = cut.vertex_of, cut.corners, cut.struts
-    inside, filled, fresh = cut.inside, cut.filled, cut.fresh
-    vertex, cells, news = cut.state.vertices, cut.state.filled, cut.state.fresh
+    inside, filled = cut.inside, cut.filled
+    vertex, cells = cut.state.vertices, cut.state.filled
     most = cut.state.highest_winding
     for place in range(count):
         triangle = listed[place]
@@ -216,23 +198,17 @@ def add_vertices(
         vertex_of[triangle] = vertex
         vertex += 1
         most = max(most, abs(inside[triangle]))
-        if news == len(fresh):
-            news = TOO_MANY
-        if news != TOO_MANY:
-            fresh[news] = triangle
-            news += 1
-    cut.state.vertices, cut.state.filled, cut.state.fresh = vertex, cells, news
+    cut.state.vertices, cut.state.filled = vertex, cells
     cut.state.highest_winding = most
 
 
 @linked(INTERNAL)
-def settle_edges(
-    mesh: Triangulation, cut: Cut, site_of: ConstIntArray, keys: Int32Array, count: int
-) -> None:
+def settle_edges(mesh: Triangulation, cut: Cut, keys: Int32Array, count: int) -> None:
     """Make the edges with some keys (−1: none) what they should be: whole or not, neighbours or
     not.
     """
-    triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
+    points, triangles = mesh.points, mesh.triangles
+    inside, vertex_of = cut.inside, cut.vertex_of
     edges, sites, halves, edge_at = cut.edges, cut.sites, cut.halves, cut.edge_at
     first_on, pair_at, before, changed = cut.first_on, cut.pair_at, cut.before, cut.changed
     edge, listed = cut.state.whole, cut.state.changed
@@ -252,7 +228,7 @@ def settle_edges(
                 pair = (min(right, left) << 32) + max(right, left)
             if whole and edge_at[key] < 0:
                 half = 3 * other + edge_to(triangles, other, triangle)
-                low, high, backwards = site_of[right], site_of[left], 0
+                low, high, backwards = points[right, NUMBER], points[left, NUMBER], 0
                 if low > high:
                     low, high, backwards = high, low, 1
                 edges[edge, backwards] = vertex_of[triangle]

@@ -9,13 +9,13 @@ import numpy as np
 from v3dcad.geometry.clipping.interior import Cut
 from v3dcad.geometry.clipping.ring_walk import INTO, SEGMENT, WINDING, Crossings, LayerRings
 from v3dcad.geometry.compiled.arrays import (
-    ConstIntArray,
     FloatRows,
     IntArray,
     IntRows,
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
+from v3dcad.geometry.power_diagram.predicates import NUMBER
 from v3dcad.geometry.power_diagram.triangle_mesh import ACROSS, Triangulation
 
 
@@ -32,7 +32,6 @@ class Edges(NamedTuple):
 def write_edges(
     mesh: Triangulation,
     cut: Cut,
-    site_of: ConstIntArray,
     rings: LayerRings,
     crossings: Crossings,
     count: int,
@@ -66,7 +65,7 @@ def write_edges(
         triangle, i = key // 3, key % 3
         other = triangles[triangle, ACROSS + i]
         right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
-        low, high, backwards = site_of[right], site_of[left], 0
+        low, high, backwards = points[right, NUMBER], points[left, NUMBER], 0
         if low > high:
             low, high, backwards = high, low, 1
         way_x = float(points[left, 1] - points[right, 1])
@@ -109,12 +108,12 @@ def write_edges(
             begin = inner + segment
             while crossing < count and crossed[crossing, SEGMENT] == segment:
                 ends[length, 0], ends[length, 1] = begin, crossing_base + crossing
-                sites[length, 0], sites[length, 1] = -1, site_of[cell]
+                sites[length, 0], sites[length, 1] = -1, points[cell, NUMBER]
                 length += 1
                 begin, cell = crossing_base + crossing, crossed[crossing, INTO]
                 crossing += 1
             ends[length, 0], ends[length, 1] = begin, inner + after[segment]
-            sites[length, 0], sites[length, 1] = -1, site_of[cell]
+            sites[length, 0], sites[length, 1] = -1, points[cell, NUMBER]
             length += 1
     return row, length
 

@@ -25,6 +25,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
+from v3dcad.geometry.power_diagram.predicates import NUMBER, WEIGHT
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ABSENT,
     ACROSS,
@@ -76,7 +77,7 @@ cell beside the one it began in, and is then repeated from there."""
 def power(points: IntRows, cell: int, x: float, y: float) -> float:
     """The power distance of (x, y) to a cell's site, steps²."""
     dx, dy = points[cell, 0] - x, points[cell, 1] - y
-    return dx * dx + dy * dy - points[cell, 2]
+    return dx * dx + dy * dy - points[cell, WEIGHT]
 
 
 @compiled(INLINED)
@@ -84,7 +85,7 @@ def power_gap(points: IntRows, cell: int, other: int, x: float, y: float) -> flo
     """How much farther (x, y) is from `other` than from `cell`, without the common square."""
     dx, dy = points[other, 0] - points[cell, 0], points[other, 1] - points[cell, 1]
     along_x, along_y = points[other, 0] + points[cell, 0], points[other, 1] + points[cell, 1]
-    lighter = points[cell, 2] - points[other, 2]
+    lighter = points[cell, WEIGHT] - points[other, WEIGHT]
     return dx * (along_x - 2 * x) + dy * (along_y - 2 * y) + lighter
 
 
@@ -105,7 +106,8 @@ def cell_at(mesh: Triangulation, cell: int, x: float, y: float) -> int:
             other = triangles[triangle, (k + 1) % 3]
             if other >= SENTINELS:
                 distance = power(points, other, x, y)
-                if distance < least or (distance == least and other < nearest):
+                number = points[other, NUMBER]
+                if distance < least or (distance == least and number < points[nearest, NUMBER]):
                     nearest, least = other, distance
             triangle = triangles[triangle, ACROSS + (k + 1) % 3]
             if triangle == first:
@@ -134,7 +136,7 @@ def walk_segment(
     points, triangles, triangle_of = mesh.points, mesh.triangles, mesh.triangle_of
     reached = 0.0
     while True:
-        own = power(points, cell, bx, by)
+        own, number = power(points, cell, bx, by), points[cell, NUMBER]
         ahead, crossed, winding, soonest, least = ABSENT, 0, 0, 2.0, 0.0
         first = triangle_of[cell]
         triangle = first
@@ -143,7 +145,7 @@ def walk_segment(
             other = triangles[triangle, (k + 1) % 3]
             if other >= SENTINELS:
                 distance = power(points, other, bx, by)
-                if distance < own or (distance == own and other < cell):
+                if distance < own or (distance == own and points[other, NUMBER] < number):
                     before = power_gap(points, cell, other, ax, ay)
                     after = power_gap(points, cell, other, bx, by)
                     moment = 1.0

@@ -14,7 +14,7 @@ from v3dcad.geometry.clipping.interior import (
 )
 from v3dcad.geometry.clipping.ring_walk import INTO, Crossings
 from v3dcad.geometry.clipping.winding_numbers import UNKNOWN, chain, wind
-from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array
+from v3dcad.geometry.compiled.arrays import Int32Array
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
 from v3dcad.geometry.power_diagram.event_queue import EVERYTHING, Motion
@@ -54,14 +54,10 @@ def renew_cut(
     mesh: Triangulation,
     motion: Motion,
     cut: Cut,
-    site_of: ConstIntArray,
     crossings: Crossings,
     count: int,
-    walked: bool,
 ) -> None:
-    """Cut anew what the motion has touched and, if the rings have been `walked` anew, what they
-    cross now or crossed before.
-    """
+    """Clip anew what the motion has touched, and what the rings cross now or crossed before."""
     triangles, inside, vertex_of = mesh.triangles, cut.inside, cut.vertex_of
     listed, picked, keys = cut.listed, cut.picked, cut.keys
     total, state, touched = mesh.counts.triangles, motion.state, 0
@@ -76,10 +72,8 @@ def renew_cut(
     for place in range(touched):  # freed ones have no winding number
         if triangles[listed[place], 0] == ABSENT:
             inside[listed[place]] = 0
-    length, past, live = touched, 0, 0
-    if walked:
-        past = cut.state.crossed
-        length = chain(mesh, cut, crossings, count, touched)
+    past, live = cut.state.crossed, 0
+    length = chain(mesh, cut, crossings, count, touched)
     for place in range(length):
         if triangles[listed[place], 0] != ABSENT:
             picked[live] = listed[place]
@@ -95,16 +89,16 @@ def renew_cut(
             for i in range(3):
                 keys[many] = 3 * triangle + i
                 many += 1
-    crossed = cut.state.crossed if walked else 0
+    crossed = cut.state.crossed
     for place in range(crossed):
         keys[many] = cut.crossed[place]
         many += 1
     drop_edges(cut, keys, many)
     drop_vertices(cut, picked, dying)
     add_vertices(mesh, motion, cut, listed, length)
-    settle_edges(mesh, cut, site_of, keys, many)
-    settle_edges(mesh, cut, site_of, cut.former, past)
-    settle_edges(mesh, cut, site_of, cut.crossed, crossed)
+    settle_edges(mesh, cut, keys, many)
+    settle_edges(mesh, cut, cut.former, past)
+    settle_edges(mesh, cut, cut.crossed, crossed)
     many = 0
     for place in range(length):
         triangle = listed[place]
@@ -115,7 +109,7 @@ def renew_cut(
             if ABSENT < other < triangle and triangles[triangle, 0] != ABSENT:
                 keys[many] = 3 * other + edge_to(triangles, other, triangle)
                 many += 1
-    settle_edges(mesh, cut, site_of, keys, many)
+    settle_edges(mesh, cut, keys, many)
 
 
 @linked(INTERNAL)

@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.clipping.interior import Cut
-from v3dcad.geometry.compiled.arrays import ConstIntArray, Int32Array, Int32Rows, IntArray, IntRows
+from v3dcad.geometry.compiled.arrays import Int32Array, Int32Rows, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, INLINED, INTERNAL, compiled
 from v3dcad.geometry.graphs.spanning_tree import is_shorter, kruskal, root_of
+from v3dcad.geometry.power_diagram.predicates import NUMBER
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ABSENT,
     ACROSS,
@@ -61,15 +62,6 @@ def empty_tree(points: int) -> Tree:
         marks=np.zeros(1, np.int64),
         sizes=np.empty(2, np.int64),
     )
-
-
-def tree_with_room(tree: Tree, points: int) -> Tree:
-    """The same for up to so many points."""
-    longer = empty_tree(points)
-    for name in ("above", "below", "beside", "mark", "marks"):
-        column = getattr(tree, name)
-        getattr(longer, name)[: len(column)] = column
-    return longer
 
 
 @linked(INTERNAL)
@@ -288,14 +280,12 @@ def renew_tree(mesh: Triangulation, cut: Cut, tree: Tree) -> None:
 
 
 @linked(INTERNAL)
-def write_tree(
-    mesh: Triangulation, tree: Tree, site_of: ConstIntArray, branches: IntRows, row: int
-) -> int:
+def write_tree(mesh: Triangulation, tree: Tree, branches: IntRows, row: int) -> int:
     """Write the tree's pairs of sites, i < j, from `row` on; returns the row after."""
-    above = tree.above
+    points, above = mesh.points, tree.above
     for point in range(SENTINELS, mesh.counts.points):
         if above[point] != ABSENT:
-            i, j = site_of[point], site_of[above[point]]
+            i, j = points[point, NUMBER], points[above[point], NUMBER]
             branches[row, 0], branches[row, 1] = min(i, j), max(i, j)
             row += 1
     return row

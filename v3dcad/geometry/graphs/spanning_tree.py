@@ -10,6 +10,7 @@ import numpy as np
 from v3dcad.geometry.compiled.arrays import ConstIntRows, Int32Array, IntRows
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, INTERNAL, compiled
+from v3dcad.geometry.power_diagram.predicates import NUMBER
 from v3dcad.model import Ints
 
 
@@ -21,6 +22,8 @@ def is_shorter(points: ConstIntRows, a: int, b: int, c: int, d: int) -> bool:
     difference = ax * ax + ay * ay - cx * cx - cy * cy
     if difference != 0:
         return difference < 0
+    a, b = points[a, NUMBER], points[b, NUMBER]
+    c, d = points[c, NUMBER], points[d, NUMBER]
     return min(a, b) < min(c, d) or (min(a, b) == min(c, d) and max(a, b) < max(c, d))
 
 
@@ -83,7 +86,7 @@ def spanning_tree(places: Ints, pairs: Ints) -> Ints:
 
     By length, ties by the places' numbers; shortest first.
     """
-    points = np.zeros((len(places), 3), np.int64)
-    points[:, :2] = places
+    points = np.zeros((len(places), 4), np.int64)
+    points[:, :2], points[:, NUMBER] = places, np.arange(len(places))
     tree: Ints = kruskal(points, np.ascontiguousarray(pairs, np.int64))
     return tree

@@ -1,4 +1,4 @@
-"""How points grow, and the heap of moments at which something is due.
+"""How the weights of points change with time, and the heap of moments when something is due.
 
 A point weighs base + growth · time, in whole grid units, so that the power test of an edge is
 linear in time: the moment at which it fails is known. The moments are floats, a little early.
@@ -6,32 +6,21 @@ linear in time: the moment at which it fails is known. The moments are floats, a
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.compiled.arrays import (
-    FloatArray,
-    FloatRows,
-    Int32Array,
-    Int32Rows,
-    IntArray,
-    IntRows,
-)
+from v3dcad.geometry.compiled.arrays import FloatArray, Int32Array, Int32Rows, IntArray, IntRows
 from v3dcad.geometry.compiled.intrinsics import sign_of_sum
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, compiled
 from v3dcad.geometry.compiled.records import Record
+from v3dcad.geometry.power_diagram.predicates import NUMBER, WEIGHT
 
 NEVER = np.inf
 
-
-ALWAYS = -(1 << 62)
-
-
 ROUNDING = 4e-15
 """Bound of the relative error of the floating power test (some 20 operations)."""
-
 
 EVERYTHING = -1
 """How many triangles have been touched when there is no telling which."""
@@ -42,43 +31,29 @@ class MotionState(Record):
 
     due: int
     """length of the heap"""
-    struts: int
-    """length of the log"""
     touched: int
     """how many triangles have been touched, or `EVERYTHING`"""
     now: int
     """the whole time that the weights belong to"""
     last: int
     """the last time that can be asked for"""
-    most_growth: int
-    """the most that a point may grow in a unit of time"""
 
 
 class Motion(NamedTuple):
-    """How the points of a triangulation grow, and what is due when."""
+    """How the weights of a triangulation's points change, and what is due when."""
 
     base: IntArray
-    """(p,) int64: weight at time 0, steps²"""
+    """(p,) weight at time 0, steps²"""
     growth: IntArray
-    """(p,) int64: weight gained in one unit of time, steps²"""
-    born: IntArray
-    """(p,) int64: time of birth; `ALWAYS` for points that were there from the start"""
-    begun: FloatArray
-    """(t,) float64: when each triangle came to be"""
+    """(p,) weight gained in one unit of time, steps²"""
     stamp: Int32Array
-    """(3 t,) int32: which entry of the heap about this edge is valid"""
+    """(3 t,) which entry of the heap about this edge is valid"""
     due: FloatArray
-    """(h,) float64: heap of moments"""
+    """(h,) heap of moments"""
     due_edge: Int32Rows
-    """(h, 2) int32: 3 · triangle + edge, and its stamp"""
-    struts: Int32Rows
-    """(s, 3) int32: log of ended triangles, smallest point first"""
-    spans: FloatRows
-    """(s, 2) float64: when each began and ended"""
+    """(h, 2) 3 · triangle + edge, and its stamp"""
     touched: Int32Array
-    """(t,) int32: triangles that came, changed or went since somebody last emptied this list"""
-    moment: FloatArray
-    """(1,) float64: the latest event"""
+    """(t,) triangles that came, changed or went since somebody last emptied this list"""
     state: MotionState
 
 
@@ -88,12 +63,13 @@ def strut(
 ) -> tuple[float, float, float, float]:
     """Where the orthocentre of a triangle is at time 0, and how it moves per unit of time.
 
-    (x, y, x velocity, y velocity) in grid steps. The smallest point comes first, so that the same
-    triangle gives the same bits whatever its history.
+    (x, y, x velocity, y velocity) in grid steps. The point with the lowest number comes first, so
+    that the same triangle gives the same bits whatever its history.
     """
-    if b < a and b < c:
+    first, second, third = points[a, NUMBER], points[b, NUMBER], points[c, NUMBER]
+    if second < first and second < third:
         a, b, c = b, c, a
-    elif c < a and c < b:
+    elif third < first and third < second:
         a, b, c = c, a, b
     x, y = points[a, 0], points[a, 1]
     bx, by, cx, cy = points[b, 0] - x, points[b, 1] - y, points[c, 0] - x, points[c, 1] - y
@@ -112,13 +88,14 @@ def strut(
 @compiled(INLINED)
 def failure(
     points: IntRows, growth: IntArray, a: int, b: int, c: int, d: int, now: int
-) -> tuple[float, float]:
-    """When d gets into the orthocircle of a, b, c: the moment, and a bound that is surely earlier.
+) -> tuple[float, bool]:
+    """A moment surely before d gets into the orthocircle of a, b, c; and whether the weights bring
+    it closer.
 
-    The moment is `NEVER` where the weights do not bring them closer. Then the bound is too, unless
-    the four may be orthogonal to one circle for good: that is for the exact test to say, now.
+    Where they do not the moment is `NEVER`, unless the four may be orthogonal to one circle for
+    good: that is for the exact test to decide, now.
     """
-    dx, dy, weight, speed = points[d, 0], points[d, 1], points[d, 2], growth[d]
+    dx, dy, weight, speed = points[d, 0], points[d, 1], points[d, WEIGHT], growth[d]
     ax, ay = points[a, 0] - dx, points[a, 1] - dy
     bx, by = points[b, 0] - dx, points[b, 1] - dy
     cx, cy = points[c, 0] - dx, points[c, 1] - dy
@@ -128,15 +105,15 @@ def failure(
     slope, least = by_a + by_b + by_c, ROUNDING * (abs(by_a) + abs(by_b) + abs(by_c))
     if abs(slope) <= least:
         slope = least * sign_of_sum(of_a, faster_a, of_b, faster_b, of_c, faster_c)
-    from_a = float(ax * ax + ay * ay - points[a, 2] + weight) * of_a
-    from_b = float(bx * bx + by * by - points[b, 2] + weight) * of_b
-    from_c = float(cx * cx + cy * cy - points[c, 2] + weight) * of_c
+    from_a = float(ax * ax + ay * ay - points[a, WEIGHT] + weight) * of_a
+    from_b = float(bx * bx + by * by - points[b, WEIGHT] + weight) * of_b
+    from_c = float(cx * cx + cy * cy - points[c, WEIGHT] + weight) * of_c
     power = from_a + from_b + from_c
     doubt = ROUNDING * (abs(from_a) + abs(from_b) + abs(from_c))
     if slope <= 0:
-        return NEVER, now if power + doubt >= 0.0 else NEVER
+        return float(now) if power + doubt >= 0.0 else NEVER, False
     early = power + doubt
-    return now - power / slope, now - early / (slope + least if early < 0 else slope)
+    return now - early / (slope + least if early < 0 else slope), True
 
 
 @compiled(INLINED)
@@ -197,12 +174,3 @@ def pop(motion: Motion) -> int:
     if last > 0:
         _sift(motion, 0, last)
     return edge if motion.stamp[edge] == stamp else -1
-
-
-def with_log(motion: Motion, rows: int) -> Motion:
-    """The same with room for so many more struts."""
-    return motion._replace(struts=_longer(motion.struts, rows), spans=_longer(motion.spans, rows))
-
-
-def _longer(array: Any, by: int) -> Any:
-    return np.concatenate([array, np.zeros((by, *array.shape[1:]), array.dtype)])

@@ -23,10 +23,7 @@ AREAS = 16
 """How many times the frame's area the largest |weight| is: up to there cells of the four
 sentinels (`triangulation.py`) stay out of the frame, and"""
 HEAVIEST = AREAS * STEPS**2
-"""in steps², 2⁵², weights are exact as floats. Those of sites that grow beyond are counted from
-others' (`epochs.py`)."""
-UTMOST = 1 << 61
-"""In steps², how much a site's weight may grow in all: as far as 64 bits hold it."""
+"""in steps², 2⁵², weights are exact as floats."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,11 +55,6 @@ class Grid:
         """The largest |weight| of the safe range, mm²."""
         return AREAS * self.size**2
 
-    @property
-    def utmost(self) -> float:
-        """How much a site's weight may grow in all, mm²."""
-        return UTMOST * self.pitch**2
-
     def snap(self, points: Floats) -> Ints:
         """The grid points (n, 2) nearest to points (n, 2), mm.
 
@@ -92,10 +84,6 @@ class Grid:
             np.abs(weights / self.pitch**2) > HEAVIEST,
             f"its weight is beyond the safe range of ±{self.heaviest:g} mm²",
         )
-        return self.steps(weights)
-
-    def steps(self, weights: Floats) -> Ints:
-        """Weights (n,), mm², up to `utmost` as whole steps²: exact in the safe range."""
         return np.rint(weights / self.pitch**2).astype(np.int64)
 
 

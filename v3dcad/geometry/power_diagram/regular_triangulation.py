@@ -13,7 +13,7 @@ import numpy as np
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.power_diagram.grid import STEPS
-from v3dcad.geometry.power_diagram.predicates import conflicts
+from v3dcad.geometry.power_diagram.predicates import NUMBER, WEIGHT, conflicts
 from v3dcad.geometry.power_diagram.triangle_mesh import (
     ABSENT,
     ACROSS,
@@ -23,6 +23,7 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     MeshCounts,
     Triangulation,
     carry_out,
+    corner_at,
     edge_to,
     plan,
     split,
@@ -66,18 +67,61 @@ def holds(mesh: Triangulation, triangle: int, px: int, py: int) -> bool:
     return True
 
 
+@compiled(INLINED)
+def _take_over(mesh: Triangulation, point: int, other: int) -> int:
+    """Put a point in the place of another with the same x and y, if it outweighs that.
+
+    Equal weights are decided by the numbers, as in `conflicts`. The triangles around come to the
+    stack, with the point as their first corner; returns how many they are, 0 where the point is
+    hidden.
+    """
+    points, triangles, stack = mesh.points, mesh.triangles, mesh.stack
+    gain = points[point, WEIGHT] - points[other, WEIGHT]
+    if gain < 0 or (gain == 0 and points[point, NUMBER] > points[other, NUMBER]):
+        return 0
+    triangle = first = mesh.triangle_of[other]
+    count = 0
+    while True:
+        k = corner_at(triangles, triangle, other)
+        beside = triangles[triangle, ACROSS + (k + 1) % 3]
+        b, c = triangles[triangle, (k + 1) % 3], triangles[triangle, (k + 2) % 3]
+        over = triangles[triangle, ACROSS + k]
+        over_b, over_c = beside, triangles[triangle, ACROSS + (k + 2) % 3]
+        triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2] = point, b, c
+        triangles[triangle, ACROSS] = over
+        triangles[triangle, ACROSS + 1], triangles[triangle, ACROSS + 2] = over_b, over_c
+        stack[count] = triangle
+        count += 1
+        triangle = beside
+        if triangle == first:
+            break
+    mesh.triangle_of[point], mesh.triangle_of[other] = first, ABSENT
+    return count
+
+
 @linked(INTERNAL)
 def insert(mesh: Triangulation, point: int, triangle: int) -> int:
     """Insert a point, or hide it; returns a triangle nearby. The search starts at `triangle`."""
     points, triangles, stack = mesh.points, mesh.triangles, mesh.stack
     triangle = locate(mesh, triangle, points[point, 0], points[point, 1])
-    a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
-    if not conflicts(points, a, b, c, point):
-        mesh.triangle_of[point] = ABSENT
-        return triangle
-    second, third = split(mesh, triangle, point)
-    stack[0], stack[1], stack[2] = triangle, second, third
-    waiting, deferred, flipped = 3, len(stack), False
+    waiting = 0
+    for k in range(3):
+        other = triangles[triangle, k]
+        if points[other, 0] == points[point, 0] and points[other, 1] == points[point, 1]:
+            waiting = _take_over(mesh, point, other)
+            if waiting == 0:
+                mesh.triangle_of[point] = ABSENT
+                return triangle
+            break
+    if waiting == 0:
+        a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+        if not conflicts(points, a, b, c, point):
+            mesh.triangle_of[point] = ABSENT
+            return triangle
+        second, third = split(mesh, triangle, point)
+        stack[0], stack[1], stack[2] = triangle, second, third
+        waiting = 3
+    deferred, flipped = len(stack), False
     while waiting > 0:
         waiting -= 1
         triangle = stack[waiting]
@@ -111,7 +155,7 @@ def build(mesh: Triangulation, count: int) -> None:
     for point in range(SENTINELS):
         mesh.points[point, 0] = STEPS + far if point in (1, 2) else -far
         mesh.points[point, 1] = STEPS + far if point >= 2 else -far
-        mesh.points[point, 2] = 0
+        mesh.points[point, WEIGHT], mesh.points[point, NUMBER] = 0, point - SENTINELS
         mesh.triangle_of[point] = point // 3
     for i, first, second in ((0, 0, 0), (1, 1, 2), (2, 2, 3)):
         triangles[0, i], triangles[1, i] = first, second
@@ -123,24 +167,28 @@ def build(mesh: Triangulation, count: int) -> None:
         triangle = insert(mesh, point, triangle)
 
 
-def triangulation(sites: Ints, weights: Ints, room: int = 0) -> Triangulation:
-    """The regular triangulation of distinct sites (n, 2) with weights (n,), in grid units.
+def triangulation(
+    sites: Ints, weights: Ints, numbers: Ints | None = None, inserted: int | None = None
+) -> Triangulation:
+    """The regular triangulation of sites (n, 2) with weights (n,), in grid units.
 
-    `room` is the number of points that may be added. Quick where the sites come in
-    `curve_order`, and canonical in any order.
+    `numbers` (n,), by default the rows, break ties. The first `inserted` are inserted, by default
+    all; the others may enter later. Quick where they come in `curve_order`, and canonical in any
+    order.
     """
     count = SENTINELS + len(sites)
     mesh = Triangulation(
-        points=np.empty((count + room, 3), np.int64),
-        triangle_of=np.empty(count + room, np.int32),
-        triangles=np.empty((2 * (count + room), 6), np.int32),
-        free=np.empty(2 * (count + room), np.int32),
-        stack=np.empty(2 * (count + room), np.int32),
+        points=np.empty((count, 4), np.int64),
+        triangle_of=np.full(count, ABSENT, np.int32),
+        triangles=np.empty((2 * count, 6), np.int32),
+        free=np.empty(2 * count, np.int32),
+        stack=np.empty(2 * count, np.int32),
         counts=MeshCounts.of(),
     )
-    mesh.points[SENTINELS:count, :2] = sites
-    mesh.points[SENTINELS:count, 2] = weights
-    build(mesh, count)
+    mesh.points[SENTINELS:, :2] = sites
+    mesh.points[SENTINELS:, WEIGHT] = weights
+    mesh.points[SENTINELS:, NUMBER] = np.arange(len(sites)) if numbers is None else numbers
+    build(mesh, count if inserted is None else SENTINELS + inserted)
     return mesh
 
 

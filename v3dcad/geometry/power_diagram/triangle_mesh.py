@@ -47,7 +47,7 @@ class Triangulation(NamedTuple):
     """Weighted points and triangles in arrays with room to grow."""
 
     points: IntRows
-    """(p, 3) int64: x and y in grid steps, weight in steps²"""
+    """(p, 4) int64: x and y in grid steps, weight in steps², and number"""
     triangle_of: Int32Array
     """(p,) int32: one triangle at the point, or `ABSENT` where the point is hidden"""
     triangles: Int32Rows

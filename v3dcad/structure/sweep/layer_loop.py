@@ -1,7 +1,7 @@
 """The layer loop, compiled: some layers at a time, from section rings to diagrams in long arrays.
 
-For each layer: flip to its height, walk its rings, count cells, give births, and, only where one
-of these has changed the graph, cut it anew; otherwise only the vertices have moved.
+For each layer: flip to its height, let sites enter whose cells have opened, walk its rings, and,
+only where one of these has changed the graph, clip it anew; otherwise only the vertices have moved.
 """
 
 from __future__ import annotations
@@ -36,22 +36,15 @@ from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.graphs.dynamic_spanning_tree import Tree, renew_tree, write_tree
 from v3dcad.geometry.power_diagram.ending import Ending
-from v3dcad.geometry.power_diagram.event_queue import (
-    EVERYTHING,
-    Motion,
-)
-from v3dcad.geometry.power_diagram.kinetic_triangulation import advance
-from v3dcad.geometry.power_diagram.triangle_mesh import Triangulation
-from v3dcad.structure.births import give_births
-from v3dcad.structure.holes import Shortlist
-from v3dcad.structure.rim import Rim
-from v3dcad.structure.spacing import Squares
+from v3dcad.geometry.power_diagram.event_queue import Motion
+from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, enter
+from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, Triangulation
 from v3dcad.structure.sweep.ring_arrays import Rings
 
-POINT_COUNT, CELLS, GRAPH, VERTEX_ROW, EDGE_ROW, PAIR_ROW, TREE_ROW = range(7)
-"""Columns of a run's `rows`. Of a layer: how many points there were, sentinels among them; how many
-cells; which graph is its own; where its vertices begin. Of a graph: where its edges begin, up to
-where they join each pair of neighbours once, and where its tree begins."""
+CELLS, GRAPH, VERTEX_ROW, EDGE_ROW, PAIR_ROW, TREE_ROW = range(6)
+"""Columns of a run's `rows`. Of a layer: how many cells it has; which graph is its own; where its
+vertices begin. Of a graph: where its edges begin, up to where they join each pair of neighbours
+once, and where its tree begins."""
 
 
 class Outcome(Record):
@@ -62,55 +55,68 @@ class Outcome(Record):
     layers: int
     """how many layers it made"""
     room: int
-    """for how many points, or rows of its arrays, it needs room"""
+    """how many rows of its arrays the next layer needs"""
 
 
-class Run(NamedTuple):
+class Output(NamedTuple):
     """What a run of the layer loop makes. Arrays of all layers one behind the other."""
 
     outcome: Outcome
     rows: IntRows
-    """(layers + 1, 7) int64"""
+    """(layers + 1, 6)"""
     vertices: FloatRows
-    """(v, 2) float64 mm"""
+    """(v, 2) mm"""
     edges: IntRows
-    """(e, 2) int64"""
+    """(e, 2)"""
     sites: IntRows
-    """(e, 2) int64"""
+    """(e, 2)"""
     tree: IntRows
-    """(k, 2) int64"""
+    """(k, 2)"""
+
+
+class Queue(NamedTuple):
+    """The points of a triangulation that are yet to enter it."""
+
+    opens: IntArray
+    """(p,) the time from which a point may have a cell, ascending for those yet to enter"""
+    closes: IntArray
+    """(p,) the time after which it has none"""
+    hidden: Int32Array
+    """(p,) points that may have a cell, but were hidden when they were last tried"""
+    length: IntArray
+    """(1,) how many these are"""
 
 
 class Walks(NamedTuple):
     """Room for the walks round a layer's rings, and round those of the layer before."""
 
     crossings: Int32Stack
-    """(2, c, 4) int32"""
+    """(2, c, 4)"""
     at: FloatRows
-    """(2, c) float64"""
+    """(2, c)"""
     next_on: Int32Array
-    """(c,) int32"""
+    """(c,)"""
     begun_in: IntArray
-    """(rings,) int64: the cell that each ring of all layers begins in"""
+    """(rings,) the cell that each ring of all layers begins in"""
     seen: Int32Array
-    """(p,) int32, zeros: in which cut a point's cell was last seen"""
+    """(p,) zeros: in which cut a point's cell was last seen"""
 
 
-def pages(layers: int, some: int) -> Run:
-    """Room for a run over so many layers with some vertices in all."""
-    many = some + some // 2
-    return Run(
+def output(layers: int, vertices: int) -> Output:
+    """Room for a run over some layers with some vertices in all."""
+    edges = vertices + vertices // 2
+    return Output(
         outcome=Outcome.of(),
-        rows=np.zeros((layers + 1, 7), np.int64),
-        vertices=np.empty((some, 2)),
-        edges=np.empty((many, 2), np.int64),
-        sites=np.empty((many, 2), np.int64),
-        tree=np.empty((some, 2), np.int64),
+        rows=np.zeros((layers + 1, 6), np.int64),
+        vertices=np.empty((vertices, 2)),
+        edges=np.empty((edges, 2), np.int64),
+        sites=np.empty((edges, 2), np.int64),
+        tree=np.empty((vertices, 2), np.int64),
     )
 
 
 def walks(crossings: int, rings: int, points: int) -> Walks:
-    """Room for so many crossings a layer."""
+    """Room for a number of crossings a layer."""
     return Walks(
         crossings=np.empty((2, crossings, 4), np.int32),
         at=np.empty((2, crossings)),
@@ -145,108 +151,75 @@ def _same_crossings(before: Int32Rows, count_before: int, now: Int32Rows, count:
 
 
 @linked(INTERNAL)
-def _touches(mesh: Triangulation, motion: Motion, seen: Int32Array, token: int) -> bool:
-    """Whether a touched triangle is at a cell that rings pass."""
-    if motion.state.touched == EVERYTHING:
-        return True
-    for place in range(motion.state.touched):
-        triangle = motion.touched[place]
-        for k in range(3):
-            cell = mesh.triangles[triangle, k]
-            if cell >= 0 and seen[cell] == token:
-                return True
-    return False
+def enter_opened(mesh: Triangulation, motion: Motion, queue: Queue, time: int) -> None:
+    """Insert the points whose cells have opened by a time, at which the triangulation is."""
+    hidden, last = queue.hidden, len(queue.opens)
+    while mesh.counts.points < last and queue.opens[mesh.counts.points] <= time:
+        hidden[queue.length[0]] = mesh.counts.points
+        queue.length[0] += 1
+        mesh.counts.points += 1
+    triangle, kept = mesh.triangle_of[0], 0
+    for place in range(queue.length[0]):
+        point = hidden[place]
+        if queue.closes[point] < time:
+            continue
+        triangle = enter(mesh, motion, point, triangle)
+        if mesh.triangle_of[point] == ABSENT:
+            hidden[kept] = point
+            kept += 1
+    queue.length[0] = kept
 
 
 @compiled(UNCOUNTED)
 def run(
     mesh: Triangulation,
     motion: Motion,
+    queue: Queue,
     cut: Cut,
     tree: Tree,
-    squares: Squares,
-    shortlist: Shortlist,
-    rim: Rim,
-    site_of: ConstIntArray,
     rings: Rings,
     times: ConstIntArray,
     walks: Walks,
-    made: Run,
+    made: Output,
     frame: Frame,
-    reach: float,
-    full_cell: float,
 ) -> None:
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
-    `cut` and `tree` are those of the layer before; newborns from outside are noted in `rim`.
-    `site_of` (p,) gives each point's site, `frame` says where the grid lies. Births are given where
-    the area per cell is above `full_cell`, mm² (infinite: none), at a distance of `reach` grid
-    steps per unit of growth; once at a time.
+    `cut` and `tree` are those of the layer before; `frame` says where the grid lies.
     """
     outcome, rows, vertices = made.outcome, made.rows, made.vertices
     edges = Edges(made.edges, made.sites)
     crossings, before, at, at_before = (
         walks.crossings[0], walks.crossings[1], walks.at[0], walks.at[1]
     )  # fmt: skip
-    seen, token = walks.seen, 0
     after_before, begun_before = rings.after[:0], walks.begun_in[:0]
-    graph, count, count_before, live_cells = -1, 0, 0, 0
+    graph, count, count_before, live_cells, token = -1, 0, 0, 0, 0
     for layer in range(len(times)):
-        if times[layer] > motion.state.last:
-            outcome.ending = Ending.EPOCH_OVER
-            break
         outcome.ending = advance(mesh, motion, times[layer])
         if outcome.ending != Ending.DONE:
             break
+        enter_opened(mesh, motion, queue, times[layer])
         rings_from, rings_to = rings.layers[layer], rings.layers[layer + 1]
         first, last = rings.starts[rings_from], rings.starts[rings_to]
         corners, stepped = rings.corners[first:last], rings.stepped[first:last]
         after, starts = rings.after[first:last], rings.starts[rings_from : rings_to + 1]
-        begun_in, fresh, walked = walks.begun_in[rings_from:rings_to], False, True
+        begun_in = walks.begun_in[rings_from:rings_to]
         layer_rings = LayerRings(stepped, after, starts)
         walk = Crossings(crossings, at, walks.next_on, begun_in)
-        while True:
-            if walked:
-                count = walk_rings(mesh, layer_rings, walk)
-                if count < 0:
-                    outcome.ending = Ending.RING_OPEN if count == OPEN else Ending.CROSSINGS_FULL
-                    break
-            if (
-                not walked
-                or graph < 0
-                or motion.state.touched != 0
-                or not _same_numbers(after_before, after)
-                or not _same_numbers(begun_before, begun_in)
-                or not _same_crossings(before, count_before, crossings, count)
-            ):
-                fresh = True
-                renew_cut(mesh, motion, cut, site_of, walk, count, walked)
-                token += 1
-                live_cells = count_cells(cut, walk, count, seen, token)
-            # No place has two newborns, however small the first layer's cells were.
-            wanted = np.ceil(rings.areas[layer] / full_cell - 1e-9) - live_cells
-            wanted = int(min(wanted, float(cut.state.vertices + count)))
-            given = motion.born[mesh.counts.points - 1] == times[layer]
-            if given or wanted <= 0:
-                break
-            if (
-                mesh.counts.points + wanted > len(mesh.points)
-                or len(motion.spans) - motion.state.struts < 8 * wanted + 64
-            ):
-                outcome.ending, outcome.room = Ending.POINTS_FULL, wanted
-                break
-            born = give_births(
-                mesh, motion, cut, squares, shortlist, rim, crossings, count, wanted, reach
-            )
-            if born == 0:
-                break
-            outcome.ending = advance(mesh, motion, times[layer])
-            if outcome.ending != Ending.DONE:
-                break
-            walked = not fresh or _touches(mesh, motion, seen, token)
-        if outcome.ending != Ending.DONE:
+        count = walk_rings(mesh, layer_rings, walk)
+        if count < 0:
+            outcome.ending = Ending.RING_OPEN if count == OPEN else Ending.CROSSINGS_FULL
             break
-        if fresh:
+        if (
+            graph < 0
+            or motion.state.touched != 0
+            or not _same_numbers(after_before, after)
+            or not _same_numbers(begun_before, begun_in)
+            or not _same_crossings(before, count_before, crossings, count)
+        ):
+            renew_cut(mesh, motion, cut, walk, count)
+            token += 1
+            live_cells = count_cells(cut, walk, count, walks.seen, token)
             graph += 1
             row = rows[graph, EDGE_ROW]
             room = 2 * cut.state.highest_winding * cut.state.crossed + len(corners) + 2 * count
@@ -255,14 +228,14 @@ def run(
                 outcome.ending, outcome.room = Ending.OUTPUT_FULL, room
                 break
             rows[graph, PAIR_ROW], rows[graph + 1, EDGE_ROW] = write_edges(
-                mesh, cut, site_of, layer_rings, walk, count, edges, row
+                mesh, cut, layer_rings, walk, count, edges, row
             )
             renew_tree(mesh, cut, tree)
             row = rows[graph, TREE_ROW]
-            if row + mesh.counts.points > len(made.tree):
-                outcome.ending, outcome.room = Ending.OUTPUT_FULL, mesh.counts.points
+            if row + live_cells > len(made.tree):
+                outcome.ending, outcome.room = Ending.OUTPUT_FULL, live_cells
                 break
-            rows[graph + 1, TREE_ROW] = write_tree(mesh, tree, site_of, made.tree, row)
+            rows[graph + 1, TREE_ROW] = write_tree(mesh, tree, made.tree, row)
             after_before, begun_before = after, begun_in
         row, room = rows[layer, VERTEX_ROW], cut.state.vertices + len(corners) + count
         if row + room > len(vertices):
@@ -273,6 +246,5 @@ def run(
         )
         before, crossings, count_before = crossings, before, count
         at_before, at = at, at_before
-        rows[layer, POINT_COUNT] = mesh.counts.points
         rows[layer, CELLS], rows[layer, GRAPH] = live_cells, graph
         outcome.layers = layer + 1

@@ -1,0 +1,109 @@
+"""Which sites a part is filled with: what the settings say, or those that are given."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+
+from v3dcad.errors import SettingError
+from v3dcad.geometry.voronoi.steepest import steepest_wall
+from v3dcad.model import Floats
+from v3dcad.settings import FillSettings
+from v3dcad.structure.foam.explicit import explicit_sites
+from v3dcad.structure.foam.sites import FoamSites
+from v3dcad.structure.foam.tile import MARGIN_CELLS, TAU_SQUARED, stretch_for
+from v3dcad.structure.foam.uniform import uniform_sites
+from v3dcad.structure.sites import scatter_sites
+
+CELLS = 40
+"""In the base rectangle, if nobody says otherwise, as long as cells are within"""
+LEAST, MOST = 3.0, 15.0
+"""mm."""
+
+
+def foam_for(
+    low: Floats, high: Floats, sites: Floats | None, settings: FillSettings
+) -> tuple[FoamSites, FillSettings]:
+    """The sites for a part in the box low … high (3,), mm, and the settings with numbers for "auto".
+
+    `sites` (n, 3) or (n, 2), mm, if the user gives them. Raises `SettingError` where settings do
+    not fit the part or each other, `GeometryError` for sites that cannot be computed with.
+    """
+    if sites is not None:
+        return _given(low, high, np.asarray(sites, np.float64), settings)
+    size = settings.cell_size
+    if isinstance(size, str):
+        size = auto_cell_size(low, high)
+    if settings.stretch == "columns":
+        foam = _columns(low, high, size, settings.random_seed)
+        return foam, replace(settings, cell_size=size)
+    stretch = settled_stretch(settings)
+    foam = uniform_sites(low, high, size, stretch, settings.random_seed)
+    return foam, replace(settings, cell_size=size, stretch=stretch)
+
+
+def auto_cell_size(low: Floats, high: Floats) -> float:
+    """The cell size, mm, for a part in a box that nobody gave one for."""
+    size = high - low
+    return float(min(max(np.sqrt(size[0] * size[1] / CELLS), LEAST), MOST, size.max()))
+
+
+def settled_stretch(settings: FillSettings) -> float:
+    """The stretch of a uniform foam.
+
+    Raises `SettingError` for one with which the shipped sites' walls lean too much.
+    """
+    least = 1.0 if settings.max_overhang >= 90 else stretch_for(settings.max_overhang)
+    if isinstance(settings.stretch, str):
+        return least
+    if settings.stretch < least:
+        raise SettingError(
+            "stretch",
+            f"--stretch {settings.stretch:g}: walls would lean more than "
+            f"{settings.max_overhang:g}°; give at least {least:.4g}, leave it to auto, or allow "
+            "more with --max-overhang",
+        )
+    return float(settings.stretch)
+
+
+def _columns(low: Floats, high: Floats, cell_size: float, random_seed: int) -> FoamSites:
+    """Upright cells, scattered evenly in the base rectangle and around it."""
+    margin = MARGIN_CELLS * cell_size
+    rectangle = np.array([low[:2] - margin, high[:2] + margin])
+    count = max(1, round(float(np.prod(rectangle[1] - rectangle[0])) / cell_size**2))
+    flat = scatter_sites(rectangle, count, random_seed)
+    return explicit_sites(np.column_stack([flat, np.zeros(count)]), 1.0, low, high)
+
+
+def _given(
+    low: Floats, high: Floats, sites: Floats, settings: FillSettings
+) -> tuple[FoamSites, FillSettings]:
+    if sites.ndim != 2 or sites.shape[1] not in (2, 3):
+        raise SettingError(
+            "sites", f"sites of shape {sites.shape}: give rows of x, y, z, or of x, y for columns"
+        )
+    if sites.shape[1] == 2:
+        flat = np.column_stack([sites, np.zeros(len(sites))])
+        return explicit_sites(flat, 1.0, low, high), replace(settings, stretch="columns")
+    if isinstance(settings.stretch, str):
+        raise SettingError(
+            "stretch", f"--stretch {settings.stretch}: sites in space need a number; give it"
+        )
+    foam = explicit_sites(sites, settings.stretch, low, high)
+    refuse_overhang(foam, low, high, settings.max_overhang)
+    return foam, settings
+
+
+def refuse_overhang(foam: FoamSites, low: Floats, high: Floats, max_overhang: float) -> None:
+    """Raise `SettingError` for sites with a wall in a box that leans more than an angle, degrees."""
+    worst = steepest_in(foam, low, high)
+    tilt = worst_tilt(worst.tau, foam.stretch)
+    if max_overhang < 90 and tilt > max_overhang * (1 + 1e-12):
+        i, j = worst.sites
+        raise SettingError(
+            "max_overhang",
+            f"the wall between sites {i} and {j} leans {tilt:.4g}°, more than {max_overhang:g}°: "
+            "move them, stretch them more, or allow it with --max-overhang",
+        )

@@ -1,0 +1,9 @@
+"""stub"""
+
+from typing import Any
+
+
+class Space: ...
+
+
+def space_of(foam: Any, box: Any) -> Any: ...
