@@ -1,0 +1,184 @@
+"""Sites in a grid of boxes, as linked lists: who is near a place.
+
+A bin holds its first site, every site the next one of its bin, so that a site comes in, moves and
+is found in constant time. With periods the space repeats without end: each site stands for all its
+copies.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.core.types import NamedTuple as TupleType
+
+from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, FLOATS, INTS
+from v3dcad.model import Floats
+
+NOBODY = -1
+"""Ends a bin's list."""
+
+CROWDED = -1
+"""What `gather` returns where there is no room for all that it finds."""
+
+
+ROOM = 4096
+"""How many sites there may be around a place, within a cell's neighbourhood."""
+
+
+class Bins(NamedTuple):
+    """A grid of boxes over space, and the sites in them."""
+
+    low: Any
+    """(3,) float64: the grid's lower corner"""
+    sides: Any
+    """(3,) float64: of one bin"""
+    periods: Any
+    """(3,) float64: of the space along each axis; zeros where it does not repeat"""
+    shape: Any
+    """(3,) int64: how many bins there are along each axis"""
+    heads: Any
+    """(bins,) int64: the first site of each bin, or `NOBODY`"""
+    nexts: Any
+    """(n,) int64: the next site of the same bin, or `NOBODY`"""
+
+
+BINS = TupleType([FLOATS, FLOATS, FLOATS, INTS, INTS, INTS], Bins)
+
+
+def empty_bins(low: Floats, high: Floats, side: float, capacity: int, *, periodic: bool) -> Bins:
+    """Bins of about a side over the box low … high (3,), for up to `capacity` sites.
+
+    Periodic ones repeat the box without end; otherwise sites outside belong to the outermost bins.
+    """
+    size = np.asarray(high - low, np.float64)
+    count = size / side
+    shape = np.maximum(np.floor(count) if periodic else np.ceil(count), 1).astype(np.int64)
+    sides = np.where(size > 0, size, side) / shape
+    return Bins(
+        np.asarray(low, np.float64),
+        sides,
+        size if periodic else np.zeros(3),
+        shape,
+        np.full(int(shape.prod()), NOBODY),
+        np.full(capacity, NOBODY),
+    )
+
+
+def bins_of(places: Floats, low: Floats, high: Floats, *, periodic: bool) -> Bins:
+    """Bins over the box low … high (3,) that hold sites at places (n, 3), about one each."""
+    size = np.asarray(high - low, np.float64)
+    size = np.where(size > 0, size, size.max() or 1.0)
+    side = float((size.prod() / max(len(places), 1)) ** (1 / 3))
+    bins = empty_bins(low, high, side, len(places), periodic=periodic)
+    fill(bins, places)
+    return bins
+
+
+@njit(WORD(BINS, WORD, FLOAT), **INTERNAL)
+def layer_of(bins, axis, coordinate):  # type: ignore[no-untyped-def]
+    """Which layer of bins along an axis a coordinate is in; with periods, also beyond the grid."""
+    layer = np.int64(np.floor((coordinate - bins.low[axis]) / bins.sides[axis]))
+    if bins.periods[axis] == 0:
+        layer = max(0, min(layer, bins.shape[axis] - 1))
+    return layer
+
+
+@njit(WORD(BINS, WORD, WORD, WORD), **INTERNAL)
+def bin_at(bins, i, j, k):  # type: ignore[no-untyped-def]
+    """The number of the bin in layers i, j, k."""
+    shape = bins.shape
+    return ((i % shape[0]) * shape[1] + j % shape[1]) * shape[2] + k % shape[2]
+
+
+@njit(WORD(BINS, FLOAT, FLOAT, FLOAT), **INTERNAL)
+def bin_of(bins, x, y, z):  # type: ignore[no-untyped-def]
+    """The number of the bin that a place is in."""
+    return bin_at(bins, layer_of(bins, 0, x), layer_of(bins, 1, y), layer_of(bins, 2, z))
+
+
+@njit(types.void(BINS, WORD, WORD), **INTERNAL)
+def insert(bins, site, box):  # type: ignore[no-untyped-def]
+    """Put a site into a bin."""
+    bins.nexts[site] = bins.heads[box]
+    bins.heads[box] = site
+
+
+@njit(types.void(BINS, WORD, WORD), **INTERNAL)
+def remove(bins, site, box):  # type: ignore[no-untyped-def]
+    """Take a site out of its bin."""
+    if bins.heads[box] == site:
+        bins.heads[box] = bins.nexts[site]
+        return
+    before = bins.heads[box]
+    while bins.nexts[before] != site:
+        before = bins.nexts[before]
+    bins.nexts[before] = bins.nexts[site]
+
+
+@njit(types.void(BINS, FLOAT_ROWS), **COMPILED)
+def fill(bins, places):  # type: ignore[no-untyped-def]
+    """Put sites at places (n, 3) into empty bins; each bin lists them in ascending order."""
+    for site in range(len(places) - 1, -1, -1):
+        insert(bins, site, bin_of(bins, places[site, 0], places[site, 1], places[site, 2]))
+
+
+@njit(INTS(BINS, FLOAT_ROWS), **COMPILED)
+def homes_of(bins, places):  # type: ignore[no-untyped-def]
+    """The bins (n,) that places (n, 3) are in."""
+    homes = np.empty(len(places), np.int64)
+    for site in range(len(places)):
+        homes[site] = bin_of(bins, places[site, 0], places[site, 1], places[site, 2])
+    return homes
+
+
+@njit(WORD(BINS, FLOAT_ROWS, FLOATS, FLOAT, INTS, FLOAT_ROWS, FLOATS), **INTERNAL)
+def gather(bins, places, at, radius, names, offsets, squares):  # type: ignore[no-untyped-def]
+    """Find all sites within a radius of the place `at` (3,).
+
+    Writes their numbers, offsets (m, 3) from `at`, and squared distances; in the order of the
+    bins. Returns how many, or `CROWDED`.
+    """
+    count = 0
+    shape = bins.shape
+    for i in range(layer_of(bins, 0, at[0] - radius), layer_of(bins, 0, at[0] + radius) + 1):
+        shift_x = (i // shape[0]) * bins.periods[0] - at[0]
+        for j in range(layer_of(bins, 1, at[1] - radius), layer_of(bins, 1, at[1] + radius) + 1):
+            shift_y = (j // shape[1]) * bins.periods[1] - at[1]
+            last = layer_of(bins, 2, at[2] + radius)
+            for k in range(layer_of(bins, 2, at[2] - radius), last + 1):
+                shift_z = (k // shape[2]) * bins.periods[2] - at[2]
+                site = bins.heads[bin_at(bins, i, j, k)]
+                while site != NOBODY:
+                    x = places[site, 0] + shift_x
+                    y = places[site, 1] + shift_y
+                    z = places[site, 2] + shift_z
+                    square = x * x + y * y + z * z
+                    if square <= radius * radius:
+                        if count == len(names):
+                            return CROWDED
+                        offsets[count, 0], offsets[count, 1], offsets[count, 2] = x, y, z
+                        names[count], squares[count] = site, square
+                        count += 1
+                    site = bins.nexts[site]
+    return count
+
+
+@njit(types.void(WORD, INTS, FLOAT_ROWS, FLOATS), **INTERNAL)
+def sort_by_distance(count, names, offsets, squares):  # type: ignore[no-untyped-def]
+    """Sort what `gather` found: nearest first, equally near ones by number."""
+    for row in range(1, count):
+        name, square = names[row], squares[row]
+        x, y, z = offsets[row, 0], offsets[row, 1], offsets[row, 2]
+        free = row
+        while free > 0 and (
+            squares[free - 1] > square or (squares[free - 1] == square and names[free - 1] > name)
+        ):
+            names[free], squares[free] = names[free - 1], squares[free - 1]
+            for axis in range(3):
+                offsets[free, axis] = offsets[free - 1, axis]
+            free -= 1
+        names[free], squares[free] = name, square
+        offsets[free, 0], offsets[free, 1], offsets[free, 2] = x, y, z
