@@ -55,7 +55,8 @@ KICKED = 10
 KICK = 0.26
 """In radii: how far at most, along each axis."""
 
-PATIENCE = 100
+import os
+PATIENCE = int(os.environ.get('PAT',100))
 """For how many steps a site may stay bad before it is kicked."""
 
 INNER = 5
@@ -73,7 +74,9 @@ STRONGEST, LONGEST = 2.0, 0.08
 MARGIN = 0.02
 """How much less than τ relaxed walls lean."""
 
-BUDGET = 400
+import os
+BULK=int(os.environ.get('BULK',100));REACH=float(os.environ.get('REACH',3))
+BUDGET = int(os.environ.get('BUDGET',200))
 """Steps after which a cluster is looked at anew: it may have fallen into several."""
 
 STAGES = (2.0, 1.67, 1.5, 1.41, 1.35, 1.3, 1.25, 1.2, 1.15, 1.1)
@@ -157,15 +160,30 @@ def kick(foam, site):  # type: ignore[no-untyped-def]
         foam.speeds[site, axis] = 0.0
 
 
-@njit(types.void(FOAM), **INTERNAL)
-def activate_steep(foam):  # type: ignore[no-untyped-def]
-    """Make the checked sites at bad walls and those around them the active ones; kick the stuck."""
+@njit(types.boolean(FOAM, FLOATS, WORD, FLOAT), **INTERNAL)
+def is_near(foam, middle, site, reach):  # type: ignore[no-untyped-def]
+    """Whether a site is within a reach, in its radii, of the place middle (3,)."""
+    periods, square = foam.bins.periods, 0.0
+    for axis in range(3):
+        offset = foam.places[site, axis] - middle[axis]
+        if periods[axis] > 0:
+            offset -= periods[axis] * np.floor(offset / periods[axis] + 0.5)
+        square += offset * offset
+    return square <= (reach * foam.radii[site]) ** 2
+
+
+@njit(types.void(FOAM, FLOATS, FLOAT), **INTERNAL)
+def activate_steep(foam, middle, reach):  # type: ignore[no-untyped-def]
+    """Make the checked sites at bad walls and those around them the active ones; kick the stuck.
+
+    Only bad sites within a reach, in radii, of the place middle (3,) count.
+    """
     for index in range(foam.counts[ACTIVE]):
         foam.active[foam.active_rows[index]] = False
     foam.counts[ACTIVE] = 0
     for index in range(foam.counts[CHECKED]):
         site = foam.checked_rows[index]
-        if foam.steep[site]:
+        if foam.steep[site] and is_near(foam, middle, site, reach):
             activate(foam, site)
             for row in range(AROUND):
                 activate(foam, foam.lists[site, row])
@@ -179,7 +197,7 @@ def activate_steep(foam):  # type: ignore[no-untyped-def]
         touch(foam, foam.active_rows[index])
     for index in range(foam.counts[CHECKED]):
         site = foam.checked_rows[index]
-        if foam.steep[site]:
+        if foam.steep[site] and is_near(foam, middle, site, reach):
             foam.ages[site] += INNER
             if foam.ages[site] >= PATIENCE:
                 foam.ages[site] = 0
@@ -248,18 +266,19 @@ def settle_in_bins(foam, homes):  # type: ignore[no-untyped-def]
             homes[site] = home
 
 
-@njit(WORD(FOAM, INTS, WORD, FLOAT, FLOAT, WORD), **COMPILED)
-def solve_cluster(foam, homes, seed, lean, slack, budget):  # type: ignore[no-untyped-def]
+@njit(WORD(FOAM, INTS, WORD, FLOAT, FLOAT, FLOAT, WORD), **COMPILED)
+def solve_cluster(foam, homes, seed, reach, lean, slack, budget):  # type: ignore[no-untyped-def]
     """Relax the cluster of bad walls around a site, in `budget` steps at most.
 
     Returns how many sites have been moved how often, in all.
     """
     foam.counts[:] = 0
     check(foam, seed)
+    middle = foam.places[seed].copy()
     pace = np.array([FIRST_STEP, FIRST_MIX, 0.0])
     work = 0
     for _ in range(0, budget, INNER):
-        activate_steep(foam)
+        activate_steep(foam, middle, reach)
         if foam.counts[ACTIVE] == 0:
             break
         for _ in range(INNER):
@@ -354,6 +373,7 @@ def relax(
     foam, homes = foam_of(places, radii, box, random_seed)
     for stage in [*(stage for stage in STAGES if stage > tau), tau]:
         lean, work = (1 + MARGIN) / stage, 0
+        first=True
         while True:
             check_all(foam, lean, slack)
             seeds = np.flatnonzero(foam.steep)
@@ -366,7 +386,11 @@ def relax(
                     f"τ = {stage:g}; take another random seed or a larger τ",
                     site=int(seeds[0]),
                 )
+            if first:
+                work += solve_cluster(foam, homes, seeds[0], np.inf, lean, slack, BULK)
+                first=False
+                continue
             for seed in seeds.tolist():
                 if foam.steep[seed]:
-                    work += solve_cluster(foam, homes, seed, lean, slack, BUDGET)
+                    work += solve_cluster(foam, homes, seed, REACH, lean, slack, BUDGET)
     return foam.places
