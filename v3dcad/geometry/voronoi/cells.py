@@ -65,37 +65,6 @@ class VoronoiCells:
         starts, items = self.wall_joints
         return items[_following(starts)]
 
-    def wall_vectors(self) -> Floats:
-        """(w, 3): each wall's area along its normal, from the first site to the second."""
-        rows = self.wall_joints.rows()
-        pivot = self.joints[self.wall_joints.items[self.wall_joints.starts[:-1]]][rows]
-        before = self.joints[self.wall_joints.items] - pivot
-        after = self.joints[self.following()] - pivot
-        return _sums(np.cross(before, after) / 2, self.wall_joints.starts)
-
-    def volumes(self, places: Floats) -> Floats:
-        """(c,): the cells' volumes; places (n, 3) are all sites'."""
-        walls = self.cell_walls.items
-        pivot = self.joints[self.wall_joints.items[self.wall_joints.starts[walls]]]
-        site = self.sites[self.cell_walls.rows()]
-        sign = np.where(self.walls[walls, 0] == site, 1.0, -1.0)
-        parts = ((pivot - places[site]) * self.wall_vectors()[walls]).sum(axis=1) * sign / 3
-        return _sums(parts, self.cell_walls.starts)
-
-    def extents(self) -> tuple[Floats, Floats]:
-        """The lowest and highest coordinates (c, 3) of each cell."""
-        heights = self.joints[self.wall_joints.items]
-        starts = self.wall_joints.starts[:-1]
-        walls, cells = self.cell_walls.items, self.cell_walls.starts[:-1]
-        low = np.minimum.reduceat(heights, starts)[walls]
-        high = np.maximum.reduceat(heights, starts)[walls]
-        return np.minimum.reduceat(low, cells), np.maximum.reduceat(high, cells)
-
-
-def _sums(values: Floats, starts: Ints) -> Floats:
-    """The sums of values (m, …) over lists that start there; lists are never empty."""
-    return np.asarray(np.add.reduceat(values, starts[:-1]))
-
 
 def voronoi_cells(places: Floats, wanted: Ints) -> VoronoiCells:
     """The cells of the wanted (c,) among sites at places (n, 3).
@@ -161,7 +130,7 @@ def _numbered(rows: Ints) -> tuple[Ints, Ints]:
 
 def _listed(owners: Ints, items: Ints, count: int) -> Ragged:
     """Items (m,) as lists of their owners (m,), ascending, each once."""
-    both, first = _numbered(np.column_stack([owners, items]))
+    _, first = _numbered(np.column_stack([owners, items]))
     return Ragged(_starts(np.bincount(owners[first], minlength=count)), items[first])
 
 

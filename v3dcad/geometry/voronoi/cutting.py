@@ -15,7 +15,7 @@ from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
 from v3dcad.geometry.voronoi.bins import BINS, CROWDED, ROOM, bins_of, gather
 from v3dcad.geometry.voronoi.neighbours import spacing_at
 from v3dcad.geometry.voronoi.wall import OPEN, POLYGON, in_space, polygon_room, wall
-from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, FLOATS, INT_ROWS, INTS
+from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, INT_ROWS, INTS
 from v3dcad.model import Floats, Ints
 
 CORNERS = 4096
@@ -29,9 +29,7 @@ FULL, UNBOUNDED, TWINS, TOO_MANY = range(1, 5)
 in one place, too many sites near one."""
 
 
-@njit(
-    FLOAT(FLOAT_ROWS, WORD, FLOAT, POLYGON, FLOAT_ROWS, INTS, INT_ROWS, FLOAT_ROWS), **INTERNAL
-)
+@njit(FLOAT(FLOAT_ROWS, WORD, FLOAT, POLYGON, FLOAT_ROWS, INTS, INT_ROWS, FLOAT_ROWS), **INTERNAL)
 def cut_cell(offsets, count, reach, polygon, points, sizes, edges, corners):  # type: ignore[no-untyped-def]
     """Cut the walls of the site at the origin with all others at offsets (count, 3).
 
@@ -65,7 +63,16 @@ def cut_cell(offsets, count, reach, polygon, points, sizes, edges, corners):  # 
 
 @njit(
     types.UniTuple(WORD, 4)(
-        BINS, FLOAT_ROWS, INTS, types.boolean[::1], FLOAT, POLYGON, INT_ROWS, INTS, INT_ROWS, FLOAT_ROWS
+        BINS,
+        FLOAT_ROWS,
+        INTS,
+        types.boolean[::1],
+        FLOAT,
+        POLYGON,
+        INT_ROWS,
+        INTS,
+        INT_ROWS,
+        FLOAT_ROWS,
     ),
     **COMPILED,
 )

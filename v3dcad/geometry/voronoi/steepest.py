@@ -14,7 +14,7 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import njit
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD, sign_of_sum

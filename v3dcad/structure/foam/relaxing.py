@@ -12,6 +12,7 @@ The work is that of the sites that move, so that the time grows with the number 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 
 import numpy as np
 from numba import njit, types
@@ -29,7 +30,7 @@ from v3dcad.geometry.voronoi.bins import (
 )
 from v3dcad.geometry.voronoi.neighbours import nearest
 from v3dcad.geometry.voronoi.wall import polygon_room, wall
-from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, FLOATS, INTS
+from v3dcad.geometry.walk import FLOAT, FLOATS, INTS
 from v3dcad.model import Floats, Ints
 from v3dcad.structure.foam.energy import (
     ACTIVE,
@@ -55,8 +56,7 @@ KICKED = 10
 KICK = 0.26
 """In radii: how far at most, along each axis."""
 
-import os
-PATIENCE = int(os.environ.get('PAT',100))
+PATIENCE = 100
 """For how many steps a site may stay bad before it is kicked."""
 
 INNER = 5
@@ -74,10 +74,14 @@ STRONGEST, LONGEST = 2.0, 0.08
 MARGIN = 0.02
 """How much less than τ relaxed walls lean."""
 
-import os
-BULK=int(os.environ.get('BULK',100));REACH=float(os.environ.get('REACH',3))
-BUDGET = int(os.environ.get('BUDGET',200))
-"""Steps after which a cluster is looked at anew: it may have fallen into several."""
+TOGETHER = 100
+"""Steps that all sites at bad walls take together at first, at each stage."""
+
+APART = 200
+"""Steps that a cluster takes before the next one has its turn."""
+
+REACH = 3.0
+"""In radii: how far from its first site a cluster is solved. What is farther is the next one's."""
 
 STAGES = (2.0, 1.67, 1.5, 1.41, 1.35, 1.3, 1.25, 1.2, 1.15, 1.1)
 """The values of τ on the way down."""
@@ -321,24 +325,24 @@ def check_all(foam, lean, slack):  # type: ignore[no-untyped-def]
 
 def foam_of(places: Floats, radii: Floats, box: Floats, random_seed: int) -> tuple[Foam, Ints]:
     """Sites (n, 3) in a periodic box (3,), ready to be relaxed, and the bins that they are in."""
-    count = len(places)
-    neighbours = min(NEIGHBOURS, count - 1)
+    sites = len(places)
+    neighbours = min(NEIGHBOURS, sites - 1)
     bins = bins_of(places, np.zeros(3), box, periodic=True)
     foam = Foam(
         bins=bins,
         places=places.copy(),
         radii=radii,
-        lists=np.zeros((count, neighbours), np.int64),
-        steep=np.zeros(count, np.bool_),
-        ages=np.zeros(count, np.int64),
-        speeds=np.zeros((count, 3)),
-        gradients=np.zeros((count, 3)),
-        active=np.zeros(count, np.bool_),
-        touched=np.zeros(count, np.bool_),
-        checked=np.zeros(count, np.bool_),
-        active_rows=np.empty(count, np.int64),
-        touched_rows=np.empty(count, np.int64),
-        checked_rows=np.empty(count, np.int64),
+        lists=np.zeros((sites, neighbours), np.int64),
+        steep=np.zeros(sites, np.bool_),
+        ages=np.zeros(sites, np.int64),
+        speeds=np.zeros((sites, 3)),
+        gradients=np.zeros((sites, 3)),
+        active=np.zeros(sites, np.bool_),
+        touched=np.zeros(sites, np.bool_),
+        checked=np.zeros(sites, np.bool_),
+        active_rows=np.empty(sites, np.int64),
+        touched_rows=np.empty(sites, np.int64),
+        checked_rows=np.empty(sites, np.int64),
         counts=np.zeros(3, np.int64),
         names=np.empty(ROOM, np.int64),
         offsets=np.empty((ROOM, 3)),
@@ -357,6 +361,7 @@ def relax(
     box: Floats,
     tau: float,
     *,
+    stages: tuple[float, ...] = STAGES,
     slack: float = 0.0,
     random_seed: int = 0,
     effort: int = 20_000,
@@ -371,10 +376,9 @@ def relax(
     stage, and some walls still lean too much.
     """
     foam, homes = foam_of(places, radii, box, random_seed)
-    for stage in [*(stage for stage in STAGES if stage > tau), tau]:
+    for stage in [*(stage for stage in stages if stage > tau), tau]:
         lean, work = (1 + MARGIN) / stage, 0
-        first=True
-        while True:
+        for turn in count():
             check_all(foam, lean, slack)
             seeds = np.flatnonzero(foam.steep)
             progress(stage, len(seeds))
@@ -386,11 +390,10 @@ def relax(
                     f"τ = {stage:g}; take another random seed or a larger τ",
                     site=int(seeds[0]),
                 )
-            if first:
-                work += solve_cluster(foam, homes, seeds[0], np.inf, lean, slack, BULK)
-                first=False
+            if turn == 0:
+                work += solve_cluster(foam, homes, seeds[0], np.inf, lean, slack, TOGETHER)
                 continue
             for seed in seeds.tolist():
                 if foam.steep[seed]:
-                    work += solve_cluster(foam, homes, seed, REACH, lean, slack, BUDGET)
+                    work += solve_cluster(foam, homes, seed, REACH, lean, slack, APART)
     return foam.places
