@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
 from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, FLOATS, INTS
 from v3dcad.model import Floats
 
@@ -26,6 +26,10 @@ CROWDED = -1
 
 ROOM = 4096
 """How many sites there may be around a place, within a cell's neighbourhood."""
+
+
+EACH = 4
+"""How many sites a bin holds on average: with fewer, looking at empty bins takes the time."""
 
 
 class Bins(NamedTuple):
@@ -68,16 +72,16 @@ def empty_bins(low: Floats, high: Floats, side: float, capacity: int, *, periodi
 
 
 def bins_of(places: Floats, low: Floats, high: Floats, *, periodic: bool) -> Bins:
-    """Bins over the box low … high (3,) that hold sites at places (n, 3), about one each."""
+    """Bins over the box low … high (3,) that hold sites at places (n, 3), about `EACH` of them."""
     size = np.asarray(high - low, np.float64)
     size = np.where(size > 0, size, size.max() or 1.0)
-    side = float((size.prod() / max(len(places), 1)) ** (1 / 3))
+    side = float((EACH * size.prod() / max(len(places), 1)) ** (1 / 3))
     bins = empty_bins(low, high, side, len(places), periodic=periodic)
     fill(bins, places)
     return bins
 
 
-@njit(WORD(BINS, WORD, FLOAT), **INTERNAL)
+@njit(WORD(BINS, WORD, FLOAT), **INLINED)
 def layer_of(bins, axis, coordinate):  # type: ignore[no-untyped-def]
     """Which layer of bins along an axis a coordinate is in; with periods, also beyond the grid."""
     layer = np.int64(np.floor((coordinate - bins.low[axis]) / bins.sides[axis]))
@@ -86,7 +90,7 @@ def layer_of(bins, axis, coordinate):  # type: ignore[no-untyped-def]
     return layer
 
 
-@njit(WORD(BINS, WORD, WORD, WORD), **INTERNAL)
+@njit(WORD(BINS, WORD, WORD, WORD), **INLINED)
 def bin_at(bins, i, j, k):  # type: ignore[no-untyped-def]
     """The number of the bin in layers i, j, k."""
     shape = bins.shape
@@ -141,22 +145,28 @@ def gather(bins, places, at, radius, names, offsets, squares):  # type: ignore[n
     Writes their numbers, offsets (m, 3) from `at`, and squared distances; in the order of the
     bins. Returns how many, or `CROWDED`.
     """
-    count = 0
-    shape = bins.shape
+    count, limit = 0, radius * radius
+    shape, periods = bins.shape, bins.periods
+    first, last = layer_of(bins, 2, at[2] - radius), layer_of(bins, 2, at[2] + radius)
     for i in range(layer_of(bins, 0, at[0] - radius), layer_of(bins, 0, at[0] + radius) + 1):
-        shift_x = (i // shape[0]) * bins.periods[0] - at[0]
+        shift_x = (i // shape[0]) * periods[0] - at[0]
         for j in range(layer_of(bins, 1, at[1] - radius), layer_of(bins, 1, at[1] + radius) + 1):
-            shift_y = (j // shape[1]) * bins.periods[1] - at[1]
-            last = layer_of(bins, 2, at[2] + radius)
-            for k in range(layer_of(bins, 2, at[2] - radius), last + 1):
-                shift_z = (k // shape[2]) * bins.periods[2] - at[2]
-                site = bins.heads[bin_at(bins, i, j, k)]
+            shift_y = (j // shape[1]) * periods[1] - at[1]
+            shift_z = (first // shape[2]) * periods[2] - at[2]
+            row, layer = bin_at(bins, i, j, 0), first % shape[2]
+            # Divisions would take most of the time: none along a row.
+            for _ in range(first, last + 1):
+                if layer == shape[2]:
+                    layer = 0
+                    shift_z += periods[2]
+                site = bins.heads[row + layer]
+                layer += 1
                 while site != NOBODY:
                     x = places[site, 0] + shift_x
                     y = places[site, 1] + shift_y
                     z = places[site, 2] + shift_z
                     square = x * x + y * y + z * z
-                    if square <= radius * radius:
+                    if square <= limit:
                         if count == len(names):
                             return CROWDED
                         offsets[count, 0], offsets[count, 1], offsets[count, 2] = x, y, z
@@ -164,6 +174,21 @@ def gather(bins, places, at, radius, names, offsets, squares):  # type: ignore[n
                         count += 1
                     site = bins.nexts[site]
     return count
+
+
+@njit(types.void(WORD, FLOAT, INTS, FLOAT_ROWS, FLOATS), **INTERNAL)
+def near_first(count, radius, names, offsets, squares):  # type: ignore[no-untyped-def]
+    """Bring those of what `gather` found that are within a radius to the front."""
+    front = 0
+    for row in range(count):
+        if squares[row] <= radius * radius:
+            names[front], names[row] = names[row], names[front]
+            squares[front], squares[row] = squares[row], squares[front]
+            for axis in range(3):
+                offset = offsets[front, axis]
+                offsets[front, axis] = offsets[row, axis]
+                offsets[row, axis] = offset
+            front += 1
 
 
 @njit(types.void(WORD, INTS, FLOAT_ROWS, FLOATS), **INTERNAL)

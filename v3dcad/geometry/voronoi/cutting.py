@@ -12,7 +12,7 @@ from numba import njit, types
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
-from v3dcad.geometry.voronoi.bins import BINS, CROWDED, ROOM, bins_of, gather
+from v3dcad.geometry.voronoi.bins import BINS, CROWDED, ROOM, bins_of, gather, sort_by_distance
 from v3dcad.geometry.voronoi.neighbours import spacing_at
 from v3dcad.geometry.voronoi.wall import OPEN, POLYGON, in_space, polygon_room, wall
 from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, INT_ROWS, INTS
@@ -94,6 +94,7 @@ def cut_cells(bins, places, wanted, is_wanted, whole, polygon, pairs, sizes, qua
             count = gather(bins, places, places[site], radius, names, offsets, squares)
             if count == CROWDED:
                 return walls, filled, TOO_MANY, site
+            sort_by_distance(count, names, offsets, squares)
             reach = cut_cell(offsets, count, 2 * radius, polygon, points, found, edges, own)
             if 2 * reach <= radius:
                 break

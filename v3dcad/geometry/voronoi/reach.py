@@ -21,6 +21,10 @@ from v3dcad.model import Floats
 TIGHTNESS = 1.1
 """By which factor a bin's bound may exceed the greatest distance that was met in it."""
 
+ENOUGH = 1.1
+"""In spacings of sites: bounds up to here need not be better. Cells of even sites reach about as
+far, and to prove less would take longer than it saves."""
+
 SAFETY = 1 + 1e-9
 """What bounds are multiplied by, so that no rounding makes them too small."""
 
@@ -51,10 +55,9 @@ def bound_distances(bins, places, low, high, bounds, room):  # type: ignore[no-u
             outside |= middle[axis] - sides[axis] / 2 > high[axis]
         if outside:
             continue
-        # Up to `enough` a bound need not be better. Any sites give a bound, and the nearest ones
-        # the best: they are all within this radius, unless the bound gets half as much again.
-        enough = spacing_around(bins, i, j, k)
-        radius = 1.5 * enough + half_bin
+        # Any sites give a bound, and the nearest ones the best.
+        enough = ENOUGH * spacing_around(bins, i, j, k)
+        radius = enough + half_bin
         count = gather(bins, places, middle, radius, names, offsets, squares)
         while count == 0:
             radius *= 2
@@ -67,11 +70,17 @@ def bound_distances(bins, places, low, high, bounds, room):  # type: ignore[no-u
             open_cubes -= 1
             x, y, z, share = cubes[open_cubes]
             half, nearest = half_bin * share, np.inf
+            passes = max(enough - half, 0.0) ** 2
             for site in range(count):
                 dx, dy, dz = offsets[site, 0] - x, offsets[site, 1] - y, offsets[site, 2] - z
-                nearest = min(nearest, dx * dx + dy * dy + dz * dz)
+                square = dx * dx + dy * dy + dz * dz
+                if square < nearest:
+                    nearest = square
+                    if nearest <= passes:
+                        break
             nearest = np.sqrt(nearest)
-            met = max(met, nearest)
+            if half + nearest > enough:
+                met = max(met, nearest)
             if nearest + half <= max(enough, TIGHTNESS * met) or share < 2.0**-DEEPEST:
                 bounds[box] = max(bounds[box], (nearest + half) * SAFETY)
                 continue

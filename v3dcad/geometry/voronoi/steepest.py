@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD, sign_of_sum
+from v3dcad.geometry.exact import COMPILED, INLINED, WORD, sign_of_sum
 from v3dcad.geometry.voronoi.bins import (
     BINS,
     CROWDED,
@@ -25,6 +25,7 @@ from v3dcad.geometry.voronoi.bins import (
     bin_of,
     bins_of,
     gather,
+    near_first,
 )
 from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.geometry.voronoi.wall import (
@@ -64,7 +65,7 @@ class SteepestWall(NamedTuple):
         return self.run * tau_squared >= self.rise
 
 
-@njit(WORD(WORD, WORD, INTS), **INTERNAL)
+@njit(WORD(WORD, WORD, INTS), **INLINED)
 def is_steeper(rise, run, worst):  # type: ignore[no-untyped-def]
     """Whether rise / run is over that of the worst wall so far, exactly."""
     return sign_of_sum(rise, worst[3], -worst[2], run, 0, 0) > 0
@@ -85,6 +86,7 @@ def find_steepest(bins, places, reaches, low, high, polygon, room, worst):  # ty
         count = gather(bins, places, places[site], 2 * reach, names, offsets, squares)
         if count == CROWDED:
             return site
+        near_first(count, 1.2 * reach, names, offsets, squares)
         for other in range(count):
             x, y = np.int64(offsets[other, 0]), np.int64(offsets[other, 1])
             z = np.int64(offsets[other, 2])

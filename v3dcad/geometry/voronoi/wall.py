@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit, types
 from numba.core.types import NamedTuple as TupleType
 
-from v3dcad.geometry.exact import COMPILED, INTERNAL, WORD
+from v3dcad.geometry.exact import COMPILED, INLINED, INTERNAL, WORD
 from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, FLOATS, INTS
 
 ROUNDING = 1e-11
@@ -86,7 +86,7 @@ def lay_frame(offset, frame):  # type: ignore[no-untyped-def]
     frame[2, 2] = (x * b - y * a) / length
 
 
-@njit(WORD(POLYGON, WORD, FLOAT, FLOAT, FLOAT, WORD), **INTERNAL)
+@njit(WORD(POLYGON, WORD, FLOAT, FLOAT, FLOAT, WORD), **INLINED)
 def cut(polygon, size, along, across, limit, name):  # type: ignore[no-untyped-def]
     """Cut a polygon of `size` corners by the half-plane along · u + across · v ≤ limit.
 
