@@ -115,7 +115,8 @@ def steepest_wall(sites: Ints, low: Ints, high: Ints) -> SteepestWall:
     worst = np.array([-1, -1, 0, 1])
     if len(sites) > 1:
         low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
-        bins = bins_of(places, places.min(axis=0), places.max(axis=0), periodic=False)
+        start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
+        bins = bins_of(places, start, end, periodic=False)
         reaches = cell_reaches(bins, places, low, high)
         if reaches.max() > WIDEST:
             raise GeometryError("cells reach over 2³⁰ grid steps; use a coarser grid")
