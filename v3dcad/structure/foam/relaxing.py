@@ -74,7 +74,7 @@ STRONGEST, LONGEST = 2.0, 0.08
 MARGIN = 0.02
 """How much less than τ relaxed walls lean."""
 
-TOGETHER = 100
+TOGETHER = 300
 """Steps that all sites at bad walls take together at first, at each stage."""
 
 APART = 200
