@@ -17,9 +17,7 @@ def walls(places):
     diagram = Voronoi(places)
     return {
         tuple(sorted(pair)): diagram.vertices[ridge]
-        for pair, ridge in zip(
-            diagram.ridge_points.tolist(), diagram.ridge_vertices, strict=True
-        )
+        for pair, ridge in zip(diagram.ridge_points.tolist(), diagram.ridge_vertices, strict=True)
         if -1 not in ridge
     }
 

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -92,7 +94,7 @@ def test_sections_add_up_to_volumes_and_lie_between_the_ends(places, height):
     own = np.isin(items.rows(), cells.cell_walls.items[slice(*cells.cell_walls.starts[cell:][:2])])
     ends = np.unique(cells.joints[items.items[own], 2])
     total = 0.0
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
+    for a, b in pairwise(ends):
         inset = (b - a) * 1e-9
         heights = (a + inset, (a + b) / 2, b - inset)
         start, middle, end = (section_areas(cells, z)[cell] for z in heights)

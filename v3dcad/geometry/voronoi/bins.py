@@ -59,7 +59,8 @@ def empty_bins(low: Floats, high: Floats, side: float, capacity: int, *, periodi
     """
     size = np.asarray(high - low, np.float64)
     count = size / side
-    shape = np.maximum(np.floor(count) if periodic else np.ceil(count), 1).astype(np.int64)
+    whole = np.floor(count) if periodic else np.ceil(count)
+    shape = np.asarray(np.maximum(whole, 1.0), np.int64)
     sides = np.where(size > 0, size, side) / shape
     return Bins(
         np.asarray(low, np.float64),
@@ -74,8 +75,9 @@ def empty_bins(low: Floats, high: Floats, side: float, capacity: int, *, periodi
 def bins_of(places: Floats, low: Floats, high: Floats, *, periodic: bool) -> Bins:
     """Bins over the box low … high (3,) that hold sites at places (n, 3), about `EACH` of them."""
     size = np.asarray(high - low, np.float64)
-    size = np.where(size > 0, size, size.max() or 1.0)
-    side = float((EACH * size.prod() / max(len(places), 1)) ** (1 / 3))
+    widest = float(size.max())
+    size = np.where(size > 0, size, widest or 1.0)
+    side = float((EACH * float(size.prod()) / max(1, len(places))) ** (1 / 3))
     bins = empty_bins(low, high, side, len(places), periodic=periodic)
     fill(bins, places)
     return bins

@@ -79,7 +79,7 @@ def voronoi_cells(places: Floats, wanted: Ints) -> VoronoiCells:
     spacing = float((np.ptp(places, axis=0).prod() / len(places)) ** (1 / 3))
     close = KDTree(points[first]).query_pairs(WELD * spacing, output_type="ndarray")
     links = coo_array((np.ones(len(close)), close.T), shape=(len(first), len(first)))
-    joints = connected_components(links, directed=False)[1][names]
+    joints = np.asarray(connected_components(links, directed=False)[1][names], np.int64)
     # Corners that fell together leave their walls; and so do walls with fewer than three.
     walls = np.repeat(np.arange(len(sizes)), sizes)
     kept = joints != joints[_following(_starts(sizes))]

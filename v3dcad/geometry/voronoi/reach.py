@@ -125,8 +125,9 @@ def spread_bounds(bins, bounds, reaches):  # type: ignore[no-untyped-def]
 def cell_reaches(bins: Bins, places: Floats, low: Floats, high: Floats) -> Floats:
     """For each bin, how far the cells of sites in it reach at most from them, within a box.
 
-    `places` (n, 3) are the sites', low and high (3,) the corners of a box within the bins. Two sites i, j share a wall
-    in the box only if they are at most twice the smaller reach apart; 0 where no cell is in it.
+    `places` (n, 3) are the sites', low and high (3,) the corners of a box within the bins. Two
+    sites i, j share a wall in the box only if they are at most twice the smaller reach apart; 0
+    where no cell is in it.
     `GeometryError` for sites so uneven that some bin has over `ROOM` sites around.
     """
     bounds, reaches = np.empty(len(bins.heads)), np.empty(len(bins.heads))

@@ -68,7 +68,7 @@ class SteepestWall(NamedTuple):
 @njit(WORD(WORD, WORD, INTS), **INLINED)
 def is_steeper(rise, run, worst):  # type: ignore[no-untyped-def]
     """Whether rise / run is over that of the worst wall so far, exactly."""
-    return sign_of_sum(rise, worst[3], -worst[2], run, 0, 0) > 0
+    return sign_of_sum(rise, worst[3], -worst[2], run, 0, 0) > 0  # type: ignore[call-arg]
 
 
 @njit(WORD(BINS, FLOAT_ROWS, FLOATS, FLOATS, FLOATS, POLYGON, WORD, INTS), **COMPILED)
@@ -114,13 +114,14 @@ def steepest_wall(sites: Ints, low: Ints, high: Ints) -> SteepestWall:
         raise GeometryError("it lies where another site lies", site=int(order[twins[0] + 1]))
     worst = np.array([-1, -1, 0, 1])
     if len(sites) > 1:
-        low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
-        start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
+        lowest, highest = np.asarray(low, np.float64), np.asarray(high, np.float64)
+        start = np.minimum(places.min(axis=0), lowest)
+        end = np.maximum(places.max(axis=0), highest)
         bins = bins_of(places, start, end, periodic=False)
-        reaches = cell_reaches(bins, places, low, high)
+        reaches = cell_reaches(bins, places, lowest, highest)
         if reaches.max() > WIDEST:
             raise GeometryError("cells reach over 2³⁰ grid steps; use a coarser grid")
-        crowded = find_steepest(bins, places, reaches, low, high, polygon_room(), ROOM, worst)
+        crowded = find_steepest(bins, places, reaches, lowest, highest, polygon_room(), ROOM, worst)
         if crowded >= 0:
             raise GeometryError(f"over {ROOM} sites are near it: too uneven", site=int(crowded))
     i, j, rise, run = worst.tolist()

@@ -3,6 +3,8 @@
     random      random numbers that are the same on every machine
     darts       sites scattered at random, none too near another
     energy      how far walls lean too much, and which way sites must move
+    fire        one step downhill
+    cluster     the walls that lean too much in one place, solved apart
     relaxing    sites moved until no wall leans too much
     tile        the shipped sites, which repeat without end, and sites for a part made of them
     make_tile   the program that made them: `python -m v3dcad.structure.foam.make_tile`

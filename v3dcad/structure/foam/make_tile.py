@@ -30,10 +30,10 @@ RADIUS = 1 << 12
 SEEDS = (1,)
 """One tile for each."""
 
-EVENING = 30
+EVENING = 10
 """Lloyd's steps for scattered sites."""
 
-ROUNDS = 12
+ROUNDS = 24
 """How often sites are evened out and relaxed again."""
 
 GENTLE = 0.5
@@ -45,7 +45,7 @@ SLACK = 0.001
 MARGIN = 4.0
 """In radii: sites as far away have no part in a cell."""
 
-HEIGHTS = 20
+HEIGHTS = 64
 """Sections that evenness is judged by."""
 
 WAVES = 6
@@ -81,11 +81,11 @@ def judged(places: Floats, box: Floats) -> Quality:
     cells, around = cells_of(places, box)
     low, high = extents(cells)
     size = high - low
-    areas = [
-        sum(section_areas(cells, height + turn * box[2]) for turn in (-1, 0, 1))
-        for height in (np.arange(HEIGHTS) + 0.5) / HEIGHTS * box[2]
-    ]
-    cut = [area[area > 0] for area in areas]
+    copies = np.array([-1, 0, 1]) * box[2]
+    cut = []
+    for height in (np.arange(HEIGHTS) + 0.5) / HEIGHTS * box[2]:
+        areas = np.sum([section_areas(cells, level) for level in height + copies], axis=0)
+        cut.append(areas[areas > 0])
     mean = size[:, 2].sum() / box[2]
     spreads = [area.std() / area.mean() for area in cut]
     volumes, _ = volumes_and_centroids(cells, around)

@@ -104,7 +104,7 @@ class Pattern:
 @cache
 def tiles() -> tuple[Tile, ...]:
     """The shipped tiles."""
-    with np.load(files(__package__) / TILES) as data:
+    with (files(__package__) / TILES).open("rb") as file, np.load(file) as data:
         sites, starts = data["sites"].astype(np.int64), data["starts"]
         cells = data["cells_per_section"].tolist()
     parts = np.split(sites, starts[1:-1])
