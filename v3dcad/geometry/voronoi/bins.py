@@ -88,7 +88,7 @@ def layer_of(bins, axis, coordinate):  # type: ignore[no-untyped-def]
     """Which layer of bins along an axis a coordinate is in; with periods, also beyond the grid."""
     layer = np.int64(np.floor((coordinate - bins.low[axis]) / bins.sides[axis]))
     if bins.periods[axis] == 0:
-        layer = max(0, min(layer, bins.shape[axis] - 1))
+        layer = max(np.int64(0), min(layer, bins.shape[axis] - 1))
     return layer
 
 

@@ -12,10 +12,10 @@ import numpy as np
 from numba import njit, types
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.exact import COMPILED, WORD
+from v3dcad.geometry.exact import COMPILED, INLINED, WORD
 from v3dcad.geometry.voronoi.bins import BINS, CROWDED, ROOM, Bins, bin_at, gather
 from v3dcad.geometry.voronoi.neighbours import spacing_around
-from v3dcad.geometry.walk import FLOAT_ROWS, FLOATS
+from v3dcad.geometry.walk import FLOAT, FLOAT_ROWS, FLOATS
 from v3dcad.model import Floats
 
 TIGHTNESS = 1.1
@@ -30,6 +30,13 @@ SAFETY = 1 + 1e-9
 
 DEEPEST = 40
 """How often a cube is halved at most."""
+
+
+@njit(FLOAT(FLOAT_ROWS, WORD, FLOAT, FLOAT, FLOAT), **INLINED)
+def square_between(offsets, site, x, y, z):  # type: ignore[no-untyped-def]
+    """The squared distance of a site from a place."""
+    dx, dy, dz = offsets[site, 0] - x, offsets[site, 1] - y, offsets[site, 2] - z
+    return dx * dx + dy * dy + dz * dz
 
 
 @njit(WORD(BINS, FLOAT_ROWS, FLOATS, FLOATS, FLOATS, WORD), **COMPILED)
@@ -64,20 +71,21 @@ def bound_distances(bins, places, low, high, bounds, room):  # type: ignore[no-u
             count = gather(bins, places, middle, radius, names, offsets, squares)
         if count == CROWDED:
             return box
-        met, open_cubes = 0.0, 1
+        met, best, open_cubes = 0.0, 0, 1
         cubes[0, 0], cubes[0, 1], cubes[0, 2], cubes[0, 3] = 0.0, 0.0, 0.0, 1.0
         while open_cubes > 0:
             open_cubes -= 1
             x, y, z, share = cubes[open_cubes]
-            half, nearest = half_bin * share, np.inf
+            half = half_bin * share
             passes = max(enough - half, 0.0) ** 2
-            for site in range(count):
-                dx, dy, dz = offsets[site, 0] - x, offsets[site, 1] - y, offsets[site, 2] - z
-                square = dx * dx + dy * dy + dz * dz
+            # What is nearest to one cube is mostly near enough to the next one.
+            nearest = square_between(offsets, best, x, y, z)
+            site = 0
+            while nearest > passes and site < count:
+                square = square_between(offsets, site, x, y, z)
                 if square < nearest:
-                    nearest = square
-                    if nearest <= passes:
-                        break
+                    best, nearest = site, square
+                site += 1
             nearest = np.sqrt(nearest)
             if half + nearest > enough:
                 met = max(met, nearest)
