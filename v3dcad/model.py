@@ -317,7 +317,8 @@ class Checksum:
     """What two structures must have in common to be the same; sums are hexadecimal."""
 
     layers: int
-    births: int
+    cells: int
+    """sites, those without a cell in the part among them"""
     walls: int
     """neighbours, over all layers"""
     sites: str
@@ -326,7 +327,7 @@ class Checksum:
     sha256: str
     """of all that the others are made of"""
 
-    COUNTS: ClassVar = ("layers", "births", "walls")
+    COUNTS: ClassVar = ("layers", "cells", "walls")
     DIGITS: ClassVar = {"sites": 8, "weights": 8, "topology": 8, "sha256": 64}
 
     def as_text(self) -> dict[str, str]:

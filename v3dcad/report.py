@@ -43,7 +43,6 @@ def report(
     for name in ("wall_tilt", "strut_tilt", "distance", "unsupported", "outside"):
         for row, value in zip(rows, getattr(certificate, name).tolist(), strict=True):
             row[name] = value
-    births = filling.births
     told = {
         "part": part.name,
         "size_mm": np.ptp(part.bounds, axis=0).tolist(),
@@ -56,10 +55,7 @@ def report(
         "walls": sum(row["walls"] for row in rows),
         "wall_length_mm": sum(row["wall_length_mm"] for row in rows),
         "contour_length_mm": sum(row["contour_length_mm"] for row in rows),
-        "births": [{"layer": layer, "site": site} for layer, site in births.tolist()],
-        "layers_without_candidate": (
-            filling.unanswered.tolist() if isinstance(filling, ThesisFilling) else []
-        ),
+        **(_insertions(filling) if isinstance(filling, ThesisFilling) else {}),
         "overhang": {
             "bead_width_mm": bead_width,
             "largest_wall_tilt_deg": float(certificate.wall_tilt.max(initial=0)),
@@ -77,6 +73,15 @@ def report(
             "by_layer": [dataclasses.asdict(layer) for layer in printed.layers],
         }
     return told
+
+
+def _insertions(filling: ThesisFilling) -> dict[str, Any]:
+    """Which layers got sites, and which were to get one, but no cell qualified."""
+    births = filling.births.tolist()
+    return {
+        "births": [{"layer": layer, "site": site} for layer, site in births],
+        "layers_without_candidate": filling.unanswered.tolist(),
+    }
 
 
 def _row(layer: Layer) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from decimal import ROUND_FLOOR, Context
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +10,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import KDTree
 
-from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Ints
 from v3dcad.settings import FillSettings
-
-PACE = 24
-"""Units of growth that the offset is: fine enough for newborns' growths (`births.py`)."""
 
 USUAL = FillSettings().max_overhang
 """Degrees: the limit of those who set none."""
@@ -51,31 +46,15 @@ def settled_offset(
     """The offset, mm² a layer: the one that is set, or the largest that is allowed for "auto".
 
     `safe`, mm² a layer, takes a weight to the end of the engine's range on the last layer. "auto"
-    takes half of it at most, so that newborns can grow twice as fast; and where 90° sets no
-    limit, what `USUAL` degrees allow.
-
-    Raises `SettingError`, with the largest value that is safe, for one that lets a wall lean
-    more than `max_overhang`. The method of the thesis only reports its overhang.
+    takes half of it at most; and where 90° sets no limit, what `USUAL` degrees allow. An offset
+    that is set is not refused: the thesis's method only reports its overhang.
     """
     limit = settings.max_overhang
     if isinstance(settings.offset, str):
         tilt = limit if limit < 90 else USUAL
         most = largest_offset(sites, grows, settings.layer_height, tilt)
         return 0.0 if math.isinf(most) else min(most, safe / 2)
-    most = largest_offset(sites, grows, settings.layer_height, limit)
-    if settings.method == "continuous" and settings.offset > most * (1 + 1e-9):
-        raise SettingError(
-            "offset",
-            f"--offset {settings.offset:g}: walls would lean more than {limit:g}°; the largest "
-            f"safe value is {rounded_down(min(most, safe))}. Leave it to auto, or allow more with "
-            "--max-overhang",
-        )
     return float(settings.offset)
-
-
-def rounded_down(value: float) -> str:
-    """A positive number to six digits, none of them rounded up."""
-    return f"{float(Context(prec=6, rounding=ROUND_FLOOR).create_decimal(value)):g}"
 
 
 def largest_offset(

@@ -1,7 +1,7 @@
 """2D linear interpolation (thesis §3.5.6): the first and the last layer, lofted.
 
-For the thesis's method only, whose layers come one from the other. Those of the continuous
-method are functions of the height: each can be had alone, which is their exact loft.
+For the thesis's method only, whose layers come one from the other. Those of a foam are functions
+of the height: each can be computed alone, which is their exact loft.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState
+from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, PlaneSites, Section
 from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.thesis.cells import corner_signatures, rings
-from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.structure.thesis.loop import ThesisFilling, plane_sites
 
 STRAIGHT = 1e-6
 """mm; a ring's point this close to the line of the two beside it makes no corner."""
@@ -49,11 +49,10 @@ class LoftedLayers(LayerSequence):
         vertices = (1 - share) * below.vertices + share * stop.diagram.vertices
         diagram = Diagram(vertices, below.edges, below.edge_sites, below.neighbours)
         contours = tuple(vertices[ring] for ring in self.contours)
-        state = SiteState(
+        state = PlaneSites(
             sites=start.state.sites,
             weights=(1 - share) * start.state.weights + share * stop.state.weights,
             growth=start.state.growth,
-            born_at=start.state.born_at,
         )
         return Layer(
             index=index,
@@ -83,7 +82,7 @@ def lofted(filling: ThesisFilling, heights: Floats) -> LoftedLayers:
     tree = filling.tree_of(filling.sites, below)
 
     def layer(index: int, section: Section, weights: Floats, diagram: Diagram) -> Layer:
-        state = SiteState(filling.sites, weights, growth, weightless)
+        state = plane_sites(filling.sites, weights, growth)
         return Layer(index, section, state, diagram, tree, _area_per_cell(diagram, len(growth)))
 
     first = layer(0, start, weightless, below)

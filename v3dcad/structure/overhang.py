@@ -16,7 +16,7 @@ import shapely
 from v3dcad.geometry.power_diagram.grid import Grid, curve_order
 from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
 from v3dcad.geometry.section_area import contour_lines, section_area
-from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, SiteState, Value
+from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.structure.wall_distance import distance_to_walls
 
 SLACK = 0.01
@@ -65,16 +65,16 @@ def all_neighbours(places: Ints, weights: Ints) -> Ints:
     return neighbour_pairs(triangulation(places[order], weights[order]), order)
 
 
-def _neighbours_over(state: SiteState, section: Section) -> Ints:
-    """(m, 2) pairs i < j of sites that share a wall anywhere in a section, at least.
+def _neighbours_over(sites: Floats, weights: Floats, section: Section) -> Ints:
+    """(m, 2) pairs i < j of sites (n, 2) that share a wall anywhere in a section, at least.
 
-    The grid's frame holds section and sites, its safe range the weights, of which only
+    The grid's frame holds section and sites, its safe range the weights (n,), of which only
     differences matter.
     """
-    corners = np.concatenate([state.sites, *section.rings])
-    weights = state.weights - state.weights.min()
+    corners = np.concatenate([sites, *section.rings])
+    weights = weights - weights.min()
     grid = Grid.around(corners.min(axis=0), corners.max(axis=0), float(weights.max()))
-    return all_neighbours(grid.snap(state.sites), grid.snap_weights(weights))
+    return all_neighbours(grid.snap(sites), grid.snap_weights(weights))
 
 
 def _degrees(slopes: Floats) -> float:
@@ -85,7 +85,7 @@ def wall_slopes(layer: Layer) -> Floats:
     """(m,) shift of each wall per height, one for each row of the layer's neighbours."""
     i, j = layer.diagram.neighbours.T
     state = layer.state
-    apart = np.hypot(*(state.sites[i] - state.sites[j]).T)
+    apart = np.hypot(*(state.sites[i, :2] - state.sites[j, :2]).T)
     return np.asarray(np.abs(state.growth[i] - state.growth[j]) / (2 * apart))
 
 
@@ -96,7 +96,7 @@ def strut_slopes(layer: Layer) -> Floats:
     2 v · (p_j − p_i) = b_i − b_j for two pairs of them.
     """
     sites = meeting_sites(layer.diagram)
-    p, b = layer.state.sites[sites], layer.state.growth[sites]
+    p, b = layer.state.sites[sites, :2], layer.state.growth[sites]
     sides = 2 * (p[:, 1:] - p[:, :1])
     change = b[:, :1] - b[:, 1:]
     double = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
@@ -131,15 +131,19 @@ def _rests(layer: Layer, below: Layer, reach: float) -> tuple[float, float, floa
         outside = outside if outside > NEGLIGIBLE else 0.0
     if not len(segments):
         return 0.0, 0.0, outside
-    neighbours = _neighbours_over(state, below.section)
-    # A newborn has no cell below from which a search could start; any site that has one will do.
-    has_cell = np.zeros(max(len(layer.state.sites), len(state.sites)), dtype=bool)
+    present = state.present()
+    sites, weights = np.ascontiguousarray(state.sites[present, :2]), state.weights[present]
+    neighbours = _neighbours_over(sites, weights, below.section)
+    # A cell that opens here has none below from which a search could start; any site will do that
+    # has one.
+    has_cell = np.zeros(len(present), dtype=bool)
     has_cell[neighbours] = True
-    start = int(neighbours[0, 0]) if len(neighbours) else int(below.diagram.sites()[0])
-    hints = np.where(has_cell[hints], hints, start)
+    start = int(neighbours[0, 0]) if len(neighbours) else 0
+    rows = np.minimum(np.searchsorted(present, hints), len(present) - 1)
+    hints = np.where((present[rows] == hints) & has_cell[rows], rows, start)
 
     def to_walls(pieces: Floats, hints: Ints) -> tuple[Floats, Floats]:
-        return distance_to_walls(pieces, hints, state.sites, state.weights, neighbours, reach)
+        return distance_to_walls(pieces, hints, sites, weights, neighbours, reach)
 
     farthest, beyond = to_walls(segments, hints)
     contours = contour_lines(below.section)

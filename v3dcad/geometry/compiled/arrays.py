@@ -11,6 +11,9 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+Word = Annotated[int, types.uint64]
+"""64 bits without a sign."""
+
 IntArray = Annotated[NDArray[np.int64], types.int64[::1]]
 IntRows = Annotated[NDArray[np.int64], types.int64[:, ::1]]
 Int32Array = Annotated[NDArray[np.int32], types.int32[::1]]
@@ -19,6 +22,7 @@ Int32Stack = Annotated[NDArray[np.int32], types.int32[:, :, ::1]]
 FloatArray = Annotated[NDArray[np.float64], types.float64[::1]]
 FloatRows = Annotated[NDArray[np.float64], types.float64[:, ::1]]
 FloatStack = Annotated[NDArray[np.float64], types.float64[:, :, ::1]]
+WordArray = Annotated[NDArray[np.uint64], types.uint64[::1]]
 ByteArray = Annotated[NDArray[np.uint8], types.uint8[::1]]
 BoolArray = Annotated[NDArray[np.bool_], types.boolean[::1]]
 BoolRows = Annotated[NDArray[np.bool_], types.boolean[:, ::1]]

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.geometry.voronoi.steepest import steepest_wall
 from v3dcad.model import Floats
 from v3dcad.settings import FillSettings
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.sites import FoamSites
-from v3dcad.structure.foam.tile import MARGIN_CELLS, TAU_SQUARED, stretch_for
+from v3dcad.structure.foam.tile import MARGIN_CELLS, stretch_for
 from v3dcad.structure.foam.uniform import uniform_sites
 from v3dcad.structure.sites import scatter_sites
 

@@ -42,6 +42,6 @@ def uniform_sites(
         )
     places, spans = repeated.sites_in(lowest, highest)
     corner = lowest[:2] - repeated.margin
-    grid = Grid(corner * repeated.pitch, repeated.pitch * STEPS)
+    grid = Grid(np.asarray(corner * repeated.pitch, np.float64), repeated.pitch * STEPS)
     places[:, :2] -= corner
     return FoamSites(grid, stretch, places, spans)

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
 import numpy as np
 
-from v3dcad.errors import SettingError
+from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import Grid
-from v3dcad.model import Diagram, Floats, Ints, Layer, Section, SiteState
+from v3dcad.model import Diagram, Floats, Ints, Layer, PlaneSites, Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.growth import growing, settled_offset
 from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.overhang import all_neighbours
+from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.sweep.kinetic_sweep import refuse_faults
 from v3dcad.structure.sweep.one_layer import Engine, diagrams_on
 from v3dcad.structure.sweep.ring_arrays import rings_of
@@ -24,7 +26,7 @@ from v3dcad.structure.thesis.insert import inserted, shared_vertex
 from v3dcad.structure.thesis.inset import STEP, inset
 from v3dcad.structure.thesis.proximity import cells_on_boundary
 from v3dcad.structure.thesis.settle import settle
-from v3dcad.structure.thesis.state import GROWS, INITIAL, STAYS, UNTOUCHED, State, initial_state
+from v3dcad.structure.thesis.state import GROWS, STAYS, UNTOUCHED, State, initial_state
 from v3dcad.structure.thesis.tree import walked
 
 EQUAL = 1e-9
@@ -94,7 +96,7 @@ class ThesisLayers(LayerSequence):
 
 def _no_space(what: str) -> SettingError:
     return SettingError(
-        "method", f"--method thesis: its layers have no {what}; take the continuous method"
+        "method", f"--method thesis: its layers have no {what}; take --method foam"
     )
 
 
@@ -217,16 +219,12 @@ class ThesisFilling:
         areas = diagram.areas(len(state.sites))
         cells = int(present(diagram, len(state.sites)).sum())
         tree = self.tree_of(state.sites, diagram)
-        heights = np.array([self.sections[layer].z for layer in state.born_in.tolist()])
         speed = self.offset / self.settings.layer_height
         return ThesisLayer(
             index=index,
             section=self.sections[index],
-            state=SiteState(
-                sites=state.sites,
-                weights=state.weights,
-                growth=np.multiply(state.tags, speed, dtype=np.float64),
-                born_at=np.where(state.born_in == INITIAL, 0.0, heights),
+            state=plane_sites(
+                state.sites, state.weights, np.multiply(state.tags, speed, dtype=np.float64)
             ),
             diagram=diagram,
             tree=tree,
@@ -237,3 +235,55 @@ class ThesisFilling:
             inset_distance=np.where(state.inset_steps == UNTOUCHED, 0, state.inset_steps) * STEP,
             unanswered=False,
         )
+
+
+def plane_sites(sites: Floats, weights: Floats, growth: Floats) -> PlaneSites:
+    """The state of sites (n, 2), mm, of a layer that comes from the one below."""
+    return PlaneSites(np.column_stack([sites, np.zeros(len(sites))]), weights, growth)
+
+
+def thesis_filling(
+    sections: Sequence[Section], sites: Floats | None, settings: FillSettings, box: Floats
+) -> ThesisFilling:
+    """Fill sections by the thesis's method: sites (n, 2), mm, or else scattered in the box (2, 2).
+
+    The grid lies around box and sites. Sites on the same grid point are merged, with a warning.
+    Raises `GeometryError` for a site that cannot be computed with.
+    """
+    if sites is None:
+        sites = scatter_sites(box, settings.sites, settings.random_seed)
+    sites = np.ascontiguousarray(sites, np.float64)
+    if sites.ndim != 2 or sites.shape[1] != 2 or not len(sites):
+        raise SettingError("sites", "--method thesis takes sites as rows of x, y; give at least one")
+    low, high = _around(sites, box)
+    grid = Grid.around(low, high)
+    places = grid.snap(sites)
+    kept = np.sort(np.unique(places, axis=0, return_index=True)[1])
+    if len(kept) < len(places):
+        warnings.warn(
+            f"{len(places) - len(kept)} of {len(places)} sites lie on others "
+            f"(within {grid.pitch:.2g} mm) and were merged with them",
+            stacklevel=3,
+        )
+    return ThesisFilling(sections, places[kept], grid, settings)
+
+
+def _around(sites: Floats, box: Floats) -> tuple[Floats, Floats]:
+    """The box low, high (2,), mm, around another and all sites that are finite numbers.
+
+    Raises `GeometryError` for one so far outside that the grid around all would be coarse.
+    """
+    reach = 100 * (box[1] - box[0]).max()
+    if reach > 0:
+        far = (sites < box[0] - reach) | (sites > box[1] + reach)
+        for site in np.nonzero((far & np.isfinite(sites)).any(axis=1))[0]:
+            x, y = sites[site]
+            raise GeometryError(
+                f"({x:g}, {y:g}) mm is more than {reach:g} mm outside the part's base rectangle, "
+                f"({box[0, 0]:g}, {box[0, 1]:g}) to ({box[1, 0]:g}, {box[1, 1]:g}) mm: move it "
+                "nearer",
+                site=int(site),
+            )
+    sound = sites[np.isfinite(sites).all(axis=1)]
+    low = np.minimum(box[0], sound.min(axis=0, initial=np.inf))
+    return low, np.maximum(box[1], sound.max(axis=0, initial=-np.inf))

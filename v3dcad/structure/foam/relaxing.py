@@ -1,0 +1,114 @@
+"""Sites moved until no wall leans too much.
+
+Walls that lean too much stand in clusters, and each cluster is solved apart (`cluster.py`), with a
+time step of its own. τ is lowered in steps, each solved to the end, since the way there from afar
+leads into knots. So the time grows with the number of sites, and not with the hardest of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import count
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.voronoi.bins import ROOM, bins_of, homes_of
+from v3dcad.geometry.voronoi.wall import polygon_room
+from v3dcad.model import Floats, Ints
+from v3dcad.structure.foam.cluster import check_all, solve_cluster
+from v3dcad.structure.foam.energy import Foam
+
+NEIGHBOURS = 56
+"""How many of the nearest sites are looked at: all within 2.6 radii."""
+
+MARGIN = 0.005
+"""How much less than τ relaxed walls lean."""
+
+TOGETHER = 300
+"""Steps that all sites at bad walls take together at first, at each stage."""
+
+APART = 200
+"""Steps that a cluster takes before the next one has its turn."""
+
+REACH = 3.0
+"""In radii: how far from its first site a cluster is solved. What is farther is the next one's."""
+
+STAGES = (2.0, 1.67, 1.5, 1.41, 1.35, 1.3, 1.25, 1.2, 1.15, 1.1)
+"""The values of τ on the way down."""
+
+
+def foam_of(places: Floats, radii: Floats, box: Floats, random_seed: int) -> tuple[Foam, Ints]:
+    """Sites (n, 3) in a periodic box (3,), ready to be relaxed, and the bins that they are in."""
+    sites = len(places)
+    neighbours = min(NEIGHBOURS, sites - 1)
+    bins = bins_of(places, np.zeros(3), box, periodic=True)
+    foam = Foam(
+        bins=bins,
+        places=places.copy(),
+        radii=radii,
+        lists=np.zeros((sites, neighbours), np.int64),
+        steep=np.zeros(sites, np.bool_),
+        ages=np.zeros(sites, np.int64),
+        speeds=np.zeros((sites, 3)),
+        gradients=np.zeros((sites, 3)),
+        active=np.zeros(sites, np.bool_),
+        touched=np.zeros(sites, np.bool_),
+        checked=np.zeros(sites, np.bool_),
+        active_rows=np.empty(sites, np.int64),
+        touched_rows=np.empty(sites, np.int64),
+        checked_rows=np.empty(sites, np.int64),
+        counts=np.zeros(3, np.int64),
+        names=np.empty(ROOM, np.int64),
+        offsets=np.empty((ROOM, 3)),
+        squares=np.empty(ROOM),
+        polygon=polygon_room(),
+        points=np.empty((len(polygon_room().edges), 3)),
+        pulls=np.empty((len(polygon_room().edges), 3)),
+        random=np.array([random_seed], np.uint64),
+    )
+    return foam, homes_of(bins, foam.places)
+
+
+def relax(
+    places: Floats,
+    radii: Floats,
+    box: Floats,
+    tau: float,
+    *,
+    stages: tuple[float, ...] = STAGES,
+    slack: float = 0.0,
+    random_seed: int = 0,
+    effort: int = 20_000,
+    progress: Callable[[float, int], object] = lambda stage, bad: None,
+) -> Floats:
+    """Sites (n, 3) in a periodic box (3,) moved until no wall leans more than τ allows.
+
+    Sites keep a distance of about their radii (n,). Walls count that would be there with
+    bisectors `slack` squared radii looser, so that sites can still be rounded. `progress` gets the
+    stage's τ and how many sites are at bad walls. Deterministic; the result is to be certified
+    (`steepest_wall`). `GeometryError` where sites have been moved `effort` times on average at one
+    stage, and some walls still lean too much.
+    """
+    foam, homes = foam_of(places, radii, box, random_seed)
+    for stage in [*(stage for stage in stages if stage > tau), tau]:
+        lean, work = (1 + MARGIN) / stage, 0
+        for turn in count():
+            check_all(foam, lean, slack)
+            seeds = np.flatnonzero(foam.steep)
+            progress(stage, len(seeds))
+            if not len(seeds):
+                break
+            if work > effort * len(places):
+                raise GeometryError(
+                    f"walls at {len(seeds)} of {len(places)} sites still lean more than "
+                    f"τ = {stage:g}; take another random seed or a larger τ",
+                    site=int(seeds[0]),
+                )
+            if turn == 0:
+                work += solve_cluster(foam, homes, seeds[0], np.inf, lean, slack, TOGETHER)
+                continue
+            for seed in seeds.tolist():
+                if foam.steep[seed]:
+                    work += solve_cluster(foam, homes, seed, REACH, lean, slack, APART)
+    return np.asarray(foam.places)
