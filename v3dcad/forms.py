@@ -216,10 +216,10 @@ class Forms:
 
     def write_svg(self, path: str | Path, layer: int = 0) -> None:
         """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates."""
-        from v3dcad.formats.svg import svg_text
+        from v3dcad.formats.svg import layer_svg
 
         with written_beside(Path(path)) as beside:
-            beside.write_text(svg_text(self.layers[layer]), encoding="utf-8", newline="\n")
+            beside.write_text(layer_svg(self.layers[layer]), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
         """A form as named shapes."""
