@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests import oracle
-from tests.geometry.test_polygon import fault
+from tests.geometry.clipping.test_ring_validity import fault
 from tests.regions import region
 from tests.structure.test_fill import _area, laws
 from v3dcad.geometry.clipping.cell_rings import cells
