@@ -78,8 +78,9 @@ def run(checkout: Path, name: str, folder: Path) -> int:
     """
     own = folder / name
     own.mkdir()
-    words = COMMANDS[name].replace("SAMPLES", str(HERE / "samples")).split()
-    words = [f"../{word}" if (folder / word).is_file() else word for word in words]
+    before = {str(file.relative_to(folder)) for file in folder.glob("*/*")}
+    words = [f"../{word}" if word in before else word for word in COMMANDS[name].split()]
+    words = [word.replace("SAMPLES", str(HERE / "samples")) for word in words]
     path = {"PYTHONPATH": str(checkout), "COLUMNS": "200", "PYTHONHASHSEED": "0"}
     done = subprocess.run(
         [sys.executable, "-c", RUN, *words], cwd=own, env={**os.environ, **path},
@@ -108,7 +109,7 @@ def differences(here: Path, there: Path) -> list[str]:
 
 
 def main(words: list[str]) -> int:
-    """Compare; say for each command how it ended, how many files it made, and what differs."""
+    """Compare; say for each command how many files it made, and what differs."""
     other, chosen = Path(words[0]).resolve(), tuple(words[1:]) or ("",)
     count = 0
     with tempfile.TemporaryDirectory() as work:
@@ -120,10 +121,10 @@ def main(words: list[str]) -> int:
                 continue
             code = run(HERE, name, here)
             run(other, name, there)
-            wrong = differences(here / name, there / name)
+            wrong = [f"exit code {code}"] * (code != 0) + differences(here / name, there / name)
             count += len(wrong)
             files = len(list((here / name).iterdir())) - 1
-            print(f"{name}: exit code {code}, {files} files" + ("" if wrong else ", the same"))
+            print(f"{name}: {files} files" + ("" if wrong else ", the same"))
             print(*(f"    {line}" for line in wrong), sep="\n", end="\n" * bool(wrong), flush=True)
     print("all the same" if not count else f"{count} differences")
     return 1 if count else 0
