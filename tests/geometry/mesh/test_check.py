@@ -7,8 +7,8 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.geometry.mesh.test_section import as_mesh, box, together
 
+from tests.geometry.mesh.test_section import as_mesh, box, together
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.mesh.check import checked_mesh
 from v3dcad.geometry.mesh.holes import patch
