@@ -82,8 +82,6 @@ class Structure(Forms):
 
         Raises `SettingError` for the thesis's method, as `faces` does.
         """
-        if not isinstance(self.filling, Filling):
-            return self.filling.walls  # which says why there are none
         return self.filling.sites_at(
             self.placement.to_bed(np.reshape(np.asarray(points, np.float64), (-1, 3)))
         )
@@ -99,9 +97,10 @@ class Structure(Forms):
         return properties(self.layers, self.settings.layer_height, bead_width, density)
 
     def facets(self) -> Facets:
-        """The walls between cells in space, bed coordinates, from the base to above the top."""
-        if not isinstance(self.filling, Filling):
-            return self.filling.walls  # which says why there are none
+        """The walls between cells in space, bed coordinates, from the base to above the top.
+
+        Raises `SettingError` for the thesis's method, whose layers are not slices of such walls.
+        """
         # A whole mm above the top of a tiny part its weights would no longer fit the grid.
         bounds = self.part.bounds
         margin = min(1.0, float(np.ptp(bounds, axis=0).max()))

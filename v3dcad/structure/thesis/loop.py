@@ -144,6 +144,14 @@ class ThesisFilling:
         """Refused, like the walls."""
         raise _no_space("strut axes")
 
+    def facets(self, top: float) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("walls")
+
+    def sites_at(self, points: Floats) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("walls")
+
     def at(self, z: float, section: Section | None = None) -> NoReturn:
         """Refused, like the walls."""
         raise _no_space("diagrams between layers")
