@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from hosts import cadquery_or_skip
 
-cadquery = pytest.importorskip("cadquery", reason="needs the extra [cadquery]")
+cadquery = cadquery_or_skip()
 
 import v3dcad.adapters.cadquery  # noqa: E402, F401
 
