@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from hosts import cadquery_or_skip
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parent.parent
 GUIDE = (ROOT / "docs" / "scripting.md").read_text(encoding="utf-8")
 

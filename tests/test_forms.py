@@ -21,6 +21,8 @@ from v3dcad import KernelError, SettingError, Structure
 from v3dcad.geometry.mesh.boolean import mesh_volume
 from v3dcad.geometry.solid.convex_cells import inset_cells
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = {"sites": 12, "layer_height": 1.0, "offset": 0.3}
 
 

@@ -20,6 +20,8 @@ from v3dcad.model import Brep, Mesh
 from v3dcad.structure.placement import on_bed
 from v3dcad.structure.sites import scatter_sites
 
+pytestmark = pytest.mark.slow
+
 SAMPLES = ["bracket.step", "cone.step", "islands.step", "pyramid.step", "pyramid.stl"]
 SHARED = ["bunny.stl", "nist_ftc_11_asme1_rb.stp"]
 FEW = {"layer_height": 2.0, "offset": 0.3, "sites": 20, "random_seed": 3}

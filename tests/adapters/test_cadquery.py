@@ -9,6 +9,8 @@ cadquery = cadquery_or_skip()
 
 import v3dcad.adapters.cadquery  # noqa: E402, F401
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = {"sites": 9, "layer_height": 1.0, "offset": 0.2}
 
 

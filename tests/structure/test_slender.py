@@ -19,6 +19,8 @@ from v3dcad.structure.fill import Filling
 from v3dcad.structure.overhang import overhang
 from v3dcad.structure.sites import scatter_sites
 
+pytestmark = pytest.mark.slow
+
 WIDTH = 20.0
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * WIDTH
 RANGE = HEAVIEST * (WIDTH / STEPS) ** 2

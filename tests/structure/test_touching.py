@@ -14,6 +14,8 @@ from v3dcad.model import Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
 
+pytestmark = pytest.mark.slow
+
 SQUARE = np.array([[0.0, 0], [5, 0], [5, 5], [0, 5]])
 
 

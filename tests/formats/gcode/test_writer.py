@@ -25,6 +25,8 @@ from v3dcad.model import EXTRUDE, RETRACT, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 
+pytestmark = pytest.mark.slow
+
 FILAMENT = np.pi / 4 * 1.75**2
 
 
