@@ -23,6 +23,7 @@ from v3dcad.model import Diagram, Floats, Ints, Layer, Section, Value
 from v3dcad.settings import FillSettings
 from v3dcad.structure.growth import PACE, growing, rounded_down, settled_offset
 from v3dcad.structure.lazy_layers import LayerSequence
+from v3dcad.structure.memory import keep_freed_memory
 from v3dcad.structure.sweep.growing_sites import Timed
 from v3dcad.structure.sweep.kinetic_sweep import Course, times_of
 from v3dcad.structure.thesis.loop import ThesisFilling
@@ -33,11 +34,6 @@ AT_ONCE = 256
 VERTICES_AT_ONCE = 1 << 16
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
-
-KEPT = 31 << 20
-"""Bytes. Once an array of this size has been freed, which costs nothing if nobody writes to it, the
-C library of Linux keeps smaller ones for the next to come. It would hand each back to the system,
-to get it anew page by page: a third of the time of filling. 32 MiB is the most that it allows."""
 
 
 def fill_sections(
@@ -337,7 +333,7 @@ class Filling:
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""
-        np.empty(KEPT, np.uint8)
+        keep_freed_memory()
         if self.sections:
             course = self._course(self._start, self._heights)
             yield from self._climb(course)
