@@ -45,7 +45,7 @@ COMMANDS = {
     },
     "thesis-cone": f"fill SAMPLES/cone.step --out . --method thesis --base-clearance 0.1 {COARSE}",
     "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 2",
-    "thesis-loft": f"fill SAMPLES/cone.step --out . --method thesis --interpolate {COARSE}",
+    "thesis-loft": "fill SAMPLES/islands.step --ont p.ont --method thesis --interpolate --offset 0",
     "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",
     "tree": f"fill SAMPLES/islands.step --gcode p.gcode --route tree --contour centre {COARSE}",
     "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
@@ -88,7 +88,8 @@ def run(checkout: Path, name: str, folder: Path) -> int:
     )  # fmt: skip
     said = [CLOCKS.sub("", line).rstrip() for line in (done.stdout + done.stderr).splitlines()]
     text = "\n".join(line for line in [f"exit code {done.returncode}", *said] if line)
-    (own / "printed").write_text(text.replace(str(own), "HERE"), encoding="utf-8")
+    text = re.sub(r"\.py:\d+", ".py", text.replace(str(own), "HERE").replace(str(checkout), ""))
+    (own / "printed").write_text(text, encoding="utf-8")
     return done.returncode
 
 

@@ -147,7 +147,6 @@ def thesis() -> None:
     from build123d import Cone, Rectangle, export_step, extrude
 
     import v3dcad
-    from v3dcad.toolpath.estimate import estimate
 
     parts = (
         ("cone", Cone(20, 15, 30), 40, 0.2, 5),
@@ -161,7 +160,7 @@ def thesis() -> None:
             structure = v3dcad.fill(file, sites=sites, offset=offset)
             for route in ("least-retrace", "trails", "tree"):
                 options = PrintSettings(route=route, contour="centre")
-                found = estimate(structure.trace(options), options)
+                found = structure.write_gcode(Path(folder) / "part.gcode", options).totals
                 print(
                     f"{name:>14} {route:>14}: {found.time_s / 3600:5.1f} h, "
                     f"the thesis printed {hours} h; {found.mass_g:.0f} g"

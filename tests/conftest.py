@@ -1,4 +1,4 @@
-"""Where the sample parts lie; how hypothesis runs."""
+"""Where the sample parts lie; how hypothesis runs; which tests are fast."""
 
 from __future__ import annotations
 
@@ -19,6 +19,14 @@ hypothesis.settings.register_profile(
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )
 hypothesis.settings.load_profile("v3dcad")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as fast what nothing else keeps out of a quick run."""
+    for item in items:
+        if not any(map(item.get_closest_marker, ("slow", "long", "freecad"))):
+            item.add_marker("fast")
 
 
 @pytest.fixture(scope="session")

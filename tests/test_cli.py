@@ -13,6 +13,8 @@ import pytest
 from v3dcad.cli import main
 from v3dcad.report import certificate_line
 
+pytestmark = pytest.mark.slow
+
 
 def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(

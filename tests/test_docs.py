@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 import runpy
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from hosts import cadquery_or_skip
+
+pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parent.parent
 GUIDE = (ROOT / "docs" / "scripting.md").read_text(encoding="utf-8")
@@ -24,8 +26,8 @@ def test_scripting_guide_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         assert (tmp_path / name).stat().st_size > 1000
 
 
-@pytest.mark.skipif(find_spec("cadquery") is None, reason="needs the extra [cadquery]")
 def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cadquery_or_skip()
     monkeypatch.chdir(tmp_path)
     (snippet,) = re.findall(r"```cadquery\n(.*?)```", GUIDE, re.S)
     Path("guide.py").write_text(snippet, encoding="utf-8")

@@ -18,6 +18,9 @@ from v3dcad.errors import KernelError
 from v3dcad.formats.ont.document import ont_text
 from v3dcad.model import Brep, Mesh
 from v3dcad.structure.placement import on_bed
+from v3dcad.structure.sites import scatter_sites
+
+pytestmark = pytest.mark.slow
 
 SAMPLES = ["bracket.step", "cone.step", "islands.step", "pyramid.step", "pyramid.stl"]
 SHARED = ["bunny.stl", "nist_ftc_11_asme1_rb.stp"]
@@ -80,6 +83,22 @@ def test_scattered_sites_are_left_out_and_explicit_ones_kept(samples: Path, tmp_
     kept = v3dcad.read_ont(tmp_path / "a.ont").sites
     assert kept is not None
     assert kept[:, :2].tobytes() == places.tobytes()
+
+
+@pytest.mark.parametrize("chosen", ["a density", "fewer"])
+def test_sites_that_the_settings_do_not_scatter_come_back(chosen: str, tmp_path: Path) -> None:
+    """By a density, or 9 as the seed scatters them: the settings of both say 20."""
+    corners = [[0.0, 0, 0], [30, 0, 0], [0, 30, 0], [0, 0, 9]]
+    part = v3dcad.part_from((corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    settings = v3dcad.FillSettings(layer_height=1.0, offset=0.1, sites=20)
+    scattered = scatter_sites(np.array([[-15.0, -15], [15, 15]]), 9, settings.random_seed)
+    sites = {"a density": v3dcad.density(lambda x, y: 0.02), "fewer": scattered}[chosen]
+    structure = v3dcad.build(part, settings, sites)
+    structure.write_ont(tmp_path / "a.ont", "exact")
+    again = v3dcad.fill(tmp_path / "a.ont")
+    assert again.settings.sites == structure.settings.sites == len(structure.places) < 20
+    assert again.places.tobytes() == structure.places.tobytes()
+    assert again.checksum() == structure.checksum()
 
 
 def test_a_brep_is_kept_exactly_by_default_and_triangles_as_stl(samples: Path) -> None:

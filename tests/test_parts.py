@@ -16,6 +16,8 @@ from tests.parts import part_file
 from v3dcad.formats.mesh.stl import binary_stl
 from v3dcad.model import Mesh
 
+pytestmark = pytest.mark.slow
+
 CUBE = Mesh(
     np.array([[x, y, z] for x in (0, 1.0) for y in (0, 1.0) for z in (0, 1.0)]),
     np.array(

@@ -14,6 +14,8 @@ from tests import oracle
 from v3dcad.model import Floats, Layer
 from v3dcad.report import certificate_line
 
+pytestmark = pytest.mark.slow
+
 BEAD = 0.8
 
 LOW, HIGH = 10.0, 12.0

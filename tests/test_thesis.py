@@ -15,6 +15,8 @@ from test_cli import mistake, run
 import v3dcad
 from v3dcad.structure.thesis.loop import ThesisLayer
 
+pytestmark = pytest.mark.slow
+
 
 def test_every_file_can_be_written_of_it(samples: Path, tmp_path: Path) -> None:
     sites = np.random.default_rng(4).uniform(-33.5, 33.5, (50, 2))

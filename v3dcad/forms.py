@@ -6,15 +6,17 @@ lies. The kernel is loaded when a form is asked for.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.model import Floats, Ints, Layer, Mesh, Part, Placement
+from v3dcad.settings import FillSettings
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
@@ -27,8 +29,8 @@ MESHES = ("walls", "solid", "struts", "beads")
 """What `write_stl` knows; all but the zero-thickness walls are closed meshes."""
 
 
-class Forms:
-    """The CAD side of a structure; sizes are in mm.
+class Forms(Protocol):
+    """The CAD side of a structure: what it must have, and what it then can be; sizes are in mm.
 
     `thickness` is that of walls, `skin` (0: none) that of a hull around them, `diameter` that of
     struts, `width` that of beads.
@@ -38,22 +40,26 @@ class Forms:
 
     part: Part
     placement: Placement
-    settings: Any
     layers: Sequence[Layer]
 
+    @property
+    @abstractmethod
+    def settings(self) -> FillSettings:
+        """What it was filled with."""
+
+    @abstractmethod
     def facets(self) -> Facets:
         """The walls between cells in space, bed coordinates, from base to top.
 
         Raises `SettingError` for the thesis's method: its cells jump from layer to layer.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def sites_at(self, points: Floats | Sequence[Sequence[float]]) -> Ints:
         """(k,) numbers of the sites in whose cells points (k, 3), mm, lie, where the source lies.
 
         Raises `SettingError` as `facets` does.
         """
-        raise NotImplementedError
 
     def wires(self) -> Any:
         """A compound for each layer: contours on their exact curves, walls as lines."""
@@ -216,10 +222,10 @@ class Forms:
 
     def write_svg(self, path: str | Path, layer: int = 0) -> None:
         """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates."""
-        from v3dcad.formats.svg import svg_text
+        from v3dcad.formats.svg import layer_svg
 
         with written_beside(Path(path)) as beside:
-            beside.write_text(svg_text(self.layers[layer]), encoding="utf-8", newline="\n")
+            beside.write_text(layer_svg(self.layers[layer]), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
         """A form as named shapes."""

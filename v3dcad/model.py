@@ -261,6 +261,37 @@ class Diagram(Value):
         gained = np.bincount(left, swept, count)
         return np.asarray(gained - np.bincount(right[inner], swept[inner], count), np.float64)
 
+    def cells(self) -> dict[int, list[Floats]]:
+        """The cells as polygons: for each site that has one, ascending, its rings (k, 2), mm.
+
+        Rings are open, and the cell lies on their left: outer ones run counter-clockwise, holes
+        clockwise. A cell that the section divides, or that goes round a hole, has several. Where a
+        cell touches itself in a vertex, one ring passes there twice or two rings meet.
+
+        Every edge is walked once on each side that has a cell: at a vertex, as many edges of a cell
+        end as begin, and each that ends is followed by one that begins.
+        """
+        inner = self.inner()
+        begin = np.concatenate([self.edges[:, 0], self.edges[inner, 1]])
+        end = np.concatenate([self.edges[:, 1], self.edges[inner, 0]])
+        owner = np.concatenate([self.edge_sites[:, 1], self.edge_sites[inner, 0]])
+        ending, beginning = np.lexsort((end, owner)), np.lexsort((begin, owner))
+        following = np.empty(len(owner), np.int64)
+        following[ending] = beginning
+        successors, owners = following.tolist(), owner.tolist()
+        walked = [False] * len(owners)
+        found: dict[int, list[Floats]] = {}
+        for first in beginning.tolist():
+            ring = []
+            edge = first
+            while not walked[edge]:
+                walked[edge] = True
+                ring.append(edge)
+                edge = successors[edge]
+            if ring:
+                found.setdefault(owners[first], []).append(self.vertices[begin[ring]])
+        return found
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Layer(Value):

@@ -82,8 +82,6 @@ class Structure(Forms):
 
         Raises `SettingError` for the thesis's method, as `faces` does.
         """
-        if not isinstance(self.filling, Filling):
-            return self.filling.walls  # which says why there are none
         return self.filling.sites_at(
             self.placement.to_bed(np.reshape(np.asarray(points, np.float64), (-1, 3)))
         )
@@ -99,9 +97,10 @@ class Structure(Forms):
         return properties(self.layers, self.settings.layer_height, bead_width, density)
 
     def facets(self) -> Facets:
-        """The walls between cells in space, bed coordinates, from the base to above the top."""
-        if not isinstance(self.filling, Filling):
-            return self.filling.walls  # which says why there are none
+        """The walls between cells in space, bed coordinates, from the base to above the top.
+
+        Raises `SettingError` for the thesis's method, whose layers are not slices of such walls.
+        """
         # A whole mm above the top of a tiny part its weights would no longer fit the grid.
         bounds = self.part.bounds
         margin = min(1.0, float(np.ptp(bounds, axis=0).max()))
@@ -134,8 +133,6 @@ class Structure(Forms):
 
     def _scatters_again(self) -> bool:
         """Whether settings alone give these sites."""
-        if self.settings.sites != len(self.places):
-            return False
         again = scatter_sites(self.part.bounds[:, :2], len(self.places), self.settings.random_seed)
         return np.array_equal(again, self.places)
 
@@ -221,9 +218,10 @@ def build(
 ) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter. An
-    executor computes several sections at a time. Raises `SettingError` where settings do not fit
-    the part, `GeometryError` or `KernelError` where it cannot be cut.
+    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter; the
+    structure's settings say how many they are. An executor computes several sections at a time.
+    Raises `SettingError` where settings do not fit the part, `GeometryError` or `KernelError`
+    where it cannot be cut.
     """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
     placement = part.placement
@@ -239,6 +237,7 @@ def build(
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
+    settings = replace(settings, sites=len(sites))
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
     lofts = settings.method == "thesis" and settings.interpolate
     planes = np.unique(heights[[0, -1]]) if lofts else heights

@@ -11,6 +11,8 @@ from build123d import Box, BuildPart, Color, Locations, Mode, Pos
 from v3dcad.adapters.build123d import VoronoiFill
 from v3dcad.errors import SettingError
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = {"sites": 9, "layer_height": 1.0, "offset": 0.2}
 
 

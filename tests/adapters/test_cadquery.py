@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from hosts import cadquery_or_skip
 
-cadquery = pytest.importorskip("cadquery", reason="needs the extra [cadquery]")
+cadquery = cadquery_or_skip()
 
 import v3dcad.adapters.cadquery  # noqa: E402, F401
+
+pytestmark = pytest.mark.slow
 
 SETTINGS = {"sites": 9, "layer_height": 1.0, "offset": 0.2}
 

@@ -46,6 +46,8 @@ from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import SOLID, compound, subshapes, volume
 from v3dcad.model import Floats, Placement, Section
 
+pytestmark = pytest.mark.slow
+
 SHIFT = Placement(np.eye(3), np.array([-5.0, 2.0, -7.0]))
 LOW, HIGH = np.array([-20.0, -15, 0]), np.array([20.0, 15, 25])
 WIDE = np.array([1.0, 1, 1])

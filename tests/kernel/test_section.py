@@ -30,6 +30,8 @@ from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import EDGE, FACE, subshapes
 from v3dcad.model import Section
 
+pytestmark = pytest.mark.slow
+
 ROOT3 = np.sqrt(3)
 
 

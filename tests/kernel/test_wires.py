@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagrams import layer as layer_of_qhull
 from occt import distinct, edges_of, is_valid, length_of
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Ellipse
 from OCP.TopAbs import TopAbs_VERTEX
-from OCP.TopoDS import TopoDS
+from OCP.TopoDS import TopoDS, TopoDS_Shape
 from one_diagram import GRID, power_diagram
 
 from v3dcad.geometry.surface.contour_curves import contours
@@ -40,6 +41,12 @@ def sites_in(radius: float, count: int = 25) -> Floats:
     return GRID.millimetres(
         GRID.snap(np.random.default_rng(5).uniform(-radius, radius, (count, 2)))
     )
+
+
+def points_of(shape: TopoDS_Shape) -> Floats:
+    """(v, 3) mm: the vertices of a shape, each once."""
+    points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(corner)) for corner in distinct(shape, TopAbs_VERTEX)]
+    return np.array([(p.X(), p.Y(), p.Z()) for p in points])
 
 
 def washer() -> Section:
@@ -73,8 +80,7 @@ def test_contours_are_true_arcs_between_the_walls() -> None:
 def test_walls_end_on_the_arcs_and_keep_their_lines() -> None:
     layer = layer_of(washer(), sites_in(10))
     shape = layer_wires(layer, PLACEMENT)
-    points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(corner)) for corner in distinct(shape, TopAbs_VERTEX)]
-    places = np.array([(p.X() + 3, p.Y() - 7) for p in points])
+    places = points_of(shape)[:, :2] + [3, -7]
     # Every vertex is an interior one of the diagram, or lies on a circle.
     radius = np.hypot(*places.T)
     on = np.isclose(radius, 10, atol=1e-9) | np.isclose(radius, 4, atol=1e-9)
@@ -124,3 +130,19 @@ def test_triangles_have_straight_contours() -> None:
     assert is_valid(shape)
     assert length_of(shape) == pytest.approx(layer.diagram.lengths().sum(), rel=1e-12)
     assert len(edges_of(shape)) == len(layer.diagram.edges)
+
+
+def test_a_wall_that_ends_where_two_curves_meet_leaves_their_corner_alone() -> None:
+    """Three quarters of a disc whose circle is 0.0005 mm off the corner, as where edges stand off.
+
+    The wall x + y = -10 ends at (0, -10), where the circle ends and a line begins.
+    """
+    angle = np.radians(np.linspace(0, 270, 73))
+    arc = 10 * np.column_stack([np.cos(angle), np.sin(angle)])
+    ring = np.vstack([arc, [[0.0, 0.0]]]).round(9)
+    runs = (Run(0, 0, 72, "circle", 0, (0.0, 0.0, 10.0005)), Run(0, 72, 74, "line", 1, ()))
+    layer = layer_of_qhull(np.array([[-4.0, -2], [-8, -6]]), Section(1.0, (ring,), runs))
+    (wall,) = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
+    assert [0, -10] in wall.tolist()
+    points = points_of(layer_wires(layer, Placement.none()))
+    assert np.hypot(*(points[:, :2] - [0, -10]).T).min() < 1e-9

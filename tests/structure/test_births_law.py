@@ -15,6 +15,8 @@ from v3dcad.structure.growth import PACE
 from v3dcad.structure.overhang import overhang
 from v3dcad.structure.sites import scatter_sites
 
+pytestmark = pytest.mark.slow
+
 BESIDE = 1e-3
 """mm; newborns from outside stand up to 62 grid steps inside the rectangle's sides."""
 

@@ -1,31 +1,38 @@
-"""A layer as SVG, in millimetres, y upwards as on the bed."""
+"""Layers and sections as SVG: 1 unit is 1 mm, y upwards as on the bed."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
+
 import numpy as np
 
-from v3dcad.model import Floats, Layer
+from v3dcad.model import Floats, Layer, Section
 
 WALL, CONTOUR = "#1f6f8b", "#d1495b"
 
+MARGIN = 1.0
+"""mm around what is drawn"""
 
-def svg_text(layer: Layer, width: float = 0.2, margin: float = 1.0) -> str:
-    """The layer's walls and contours as two paths, drawn `width` mm wide; 1 unit is 1 mm."""
+WALL_WIDTH, OUTLINE_WIDTH = 0.2, 0.1
+"""mm: how wide a layer's edges and a section's contours are drawn"""
+
+
+def layer_svg(layer: Layer) -> str:
+    """A layer's walls and contours as two paths."""
     diagram = layer.diagram
-    points = diagram.vertices if len(diagram.vertices) else np.zeros((1, 2))
-    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    across, up = (high - low).tolist()
     inner = diagram.inner()
     paths = [
-        f'<path id="{name}" stroke="{colour}" d="{_path(diagram.vertices[diagram.edges[rows]])}"/>'
-        for name, colour, rows in (("walls", WALL, inner), ("contours", CONTOUR, ~inner))
+        f'<path id="{name}" stroke="{colour}" d="{_segments(diagram.vertices[edges])}"/>'
+        for name, colour, edges in (
+            ("walls", WALL, diagram.edges[inner]),
+            ("contours", CONTOUR, diagram.edges[~inner]),
+        )
     ]
     return "\n".join(
         [
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{across:.6g}mm" height="{up:.6g}mm" '
-            f'viewBox="{low[0]:.6f} {-high[1]:.6f} {across:.6f} {up:.6f}">',
+            _head([diagram.vertices]),
             f"<title>layer {layer.index}, z {layer.z:g} mm</title>",
-            f'<g fill="none" stroke-width="{width:g}" stroke-linecap="round">',
+            f'<g fill="none" stroke-width="{WALL_WIDTH:g}" stroke-linecap="round">',
             *paths,
             "</g>",
             "</svg>",
@@ -34,8 +41,45 @@ def svg_text(layer: Layer, width: float = 0.2, margin: float = 1.0) -> str:
     )
 
 
-def _path(ends: Floats) -> str:
+def sections_svg(sections: Sequence[Section]) -> Iterator[str]:
+    """The lines of an SVG of sections (gone through twice), one group with its height for each.
+
+    The material is what the even-odd rule fills.
+    """
+    yield _head(ring for section in sections for ring in section.rings) + "\n"
+    yield (
+        f'<g fill="{WALL}" fill-opacity="0.1" fill-rule="evenodd" stroke="{WALL}" '
+        f'stroke-width="{OUTLINE_WIDTH:g}">\n'
+    )
+    for number, section in enumerate(sections):
+        outline = " ".join(map(_ring, section.rings))
+        yield f'<g id="section-{number}" data-z="{section.z:.9g}"><path d="{outline}"/></g>\n'
+    yield "</g>\n</svg>\n"
+
+
+def _head(parts: Iterable[Floats]) -> str:
+    """The opening tag of an SVG with room for all points of its parts, each (n, 2), mm."""
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for points in parts:
+        low = np.minimum(low, points.min(axis=0, initial=np.inf))
+        high = np.maximum(high, points.max(axis=0, initial=-np.inf))
+    if not np.isfinite(low).all():
+        low, high = np.zeros(2), np.zeros(2)
+    low, high = low - MARGIN, high + MARGIN
+    across, up = (high - low).tolist()
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{across:.6g}mm" height="{up:.6g}mm" '
+        f'viewBox="{low[0]:.6f} {-high[1]:.6f} {across:.6f} {up:.6f}">'
+    )
+
+
+def _segments(ends: Floats) -> str:
     """Segments (m, 2, 2) as path data; SVG's y axis points down."""
     return " ".join(
         f"M{x0:.6f} {-y0:.6f}L{x1:.6f} {-y1:.6f}" for (x0, y0), (x1, y1) in ends.tolist()
     )
+
+
+def _ring(ring: Floats) -> str:
+    """A ring (k, 2) as path data."""
+    return "M" + "L".join(f"{x:.6f} {-y:.6f}" for x, y in ring.tolist()) + "Z"

@@ -1,7 +1,7 @@
 """Numbers in, numbers out: plane geometry on numpy arrays; knows no layer, part or file.
 
 exact → flips → triangulation → kinetics → cut → tree: the power-diagram engine, compiled by numba,
-on the integer points of grid; cells: a diagram's rings on demand; polygon: do rings cross?
+on the integer points of grid; polygon: do rings cross?
 """
 
 from pathlib import Path

@@ -44,14 +44,6 @@ class Walls(Value):
     tilts: Floats
     """(f,) angle from the vertical, degrees: tan = |difference of growth| / (2 · distance)"""
 
-    def z_ranges(self) -> Floats:
-        """(f, 2) the lowest and highest z of each facet, mm."""
-        if not len(self.tilts):
-            return np.empty((0, 2))
-        z = self.points[:, 2]
-        low, high = np.minimum.reduceat, np.maximum.reduceat
-        return np.column_stack([low(z, self.starts[:-1]), high(z, self.starts[:-1])])
-
     def slice(self, z: float) -> tuple[Ints, Floats]:
         """The walls at a height z: which (k,), and their segments (k, 2, 2), mm."""
         facet = np.repeat(np.arange(len(self.tilts)), np.diff(self.starts))

@@ -9,5 +9,4 @@ plan        which strokes a layer has, in which order
 travel      ways inside the part
 beads       `trace`: layers to toolpaths
 report      what a layer's printing comes to
-estimate    time, filament and mass
 """

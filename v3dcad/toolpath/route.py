@@ -170,18 +170,3 @@ def _pieces(graph: PathGraph, even: EvenGraph, here: Floats) -> Iterator[tuple[I
         vertices, steps = even.circuit(start)
         here = graph.vertices[vertices[-1]]
         yield vertices, steps
-
-
-def least_strokes(graph: PathGraph) -> int:
-    """The least number of strokes that pass every edge once: half the odd vertices of a piece."""
-    degrees = graph.degrees()
-    used = np.nonzero(degrees)[0]
-    if not len(used):
-        return 0
-    size = len(graph.vertices)
-    linked = scipy.sparse.coo_matrix(
-        (np.ones(len(graph.edges), dtype=bool), tuple(graph.edges.T)), shape=(size, size)
-    )
-    piece = connected_components(linked, directed=False)[1]
-    odd = np.bincount(piece, degrees % 2)[np.unique(piece[used])]
-    return int(np.maximum(odd / 2, 1).sum())

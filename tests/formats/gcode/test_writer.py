@@ -20,10 +20,12 @@ from v3dcad.formats.gcode.blocks import spoken
 from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
 from v3dcad.formats.gcode.reader import read_gcode
 from v3dcad.formats.gcode.writer import Totals, check_fits, write_gcode
+from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import EXTRUDE, RETRACT, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
-from v3dcad.toolpath.estimate import estimate
+
+pytestmark = pytest.mark.slow
 
 FILAMENT = np.pi / 4 * 1.75**2
 
@@ -154,13 +156,19 @@ def test_firmware_retraction(flavour: str) -> None:
 def test_header_says_what_the_print_takes() -> None:
     layers = stack(3)
     text, totals = written(layers)
-    found = estimate(trace(layers, PrintSettings()), PrintSettings())
-    assert totals.time_s == pytest.approx(found.time_s)
-    assert totals.mass_g == pytest.approx(found.mass_g)
-    assert totals.filament_mm == pytest.approx(found.filament_mm)
-    assert f";TIME:{found.time_s:.0f}\n" in text
-    assert f"; filament used [mm] = {found.filament_mm:.2f}\n" in text
-    assert f"; filament used [g] = {found.mass_g:.2f}\n" in text
+    paths = list(trace(layers, PrintSettings()))
+    starts = [paths[0].points[0], *(path.points[-1] for path in paths[:-1])]
+    seconds = [
+        step_seconds(path, start, PrintSettings()).sum()
+        for path, start in zip(paths, starts, strict=True)
+    ]
+    volume = sum(path.volume.sum() for path in paths)
+    assert totals.time_s == pytest.approx(sum(seconds))
+    assert totals.mass_g == pytest.approx(volume * 1.24e-3)
+    assert totals.filament_mm == pytest.approx(volume / (np.pi / 4 * 1.75**2))
+    assert f";TIME:{totals.time_s:.0f}\n" in text
+    assert f"; filament used [mm] = {totals.filament_mm:.2f}\n" in text
+    assert f"; filament used [g] = {totals.mass_g:.2f}\n" in text
     assert ";LAYER_COUNT:3\n" in text
     assert re.findall(r"^;LAYER:(\d+)$", text, re.M) == ["0", "1", "2"]
     assert ";MINX:100.400\n" in text

@@ -22,6 +22,8 @@ from v3dcad.formats.ont.document import ont_text, read_ont, recipe_in
 from v3dcad.model import Mesh, Recipe
 from v3dcad.settings import FillSettings
 
+pytestmark = pytest.mark.slow
+
 STL = ont_text(recipe(), "stl")
 MESH = ont_text(recipe(), "exact")
 BREP_TEXT = ont_text(recipe(BREP, None, sites=12, shift=(1.5, -2.25, 1e-17)), "exact")

@@ -3,6 +3,10 @@
 import subprocess
 import sys
 
+import pytest
+
+pytestmark = pytest.mark.slow
+
 COUNT = """
 import gc
 from numba.core.runtime import _nrt_python, rtsys

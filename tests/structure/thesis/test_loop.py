@@ -144,7 +144,7 @@ def test_inset_cells_keep_their_corners_and_2_mm2(jumping: list[ThesisLayer]) ->
 
 def test_cells_still_tile_after_the_inset(jumping: list[ThesisLayer]) -> None:
     for layer in jumping:
-        polygons = [shapely.polygons(ring) for (ring,) in layer.cells().values()]
+        polygons = [shapely.polygons(ring) for (ring,) in layer.diagram.cells().values()]
         assert shapely.is_valid(polygons).all()
         assert shapely.area(polygons).sum() == pytest.approx(1600)
         assert shapely.union_all(polygons).area == pytest.approx(1600)

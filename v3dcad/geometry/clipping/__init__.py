@@ -6,5 +6,4 @@ winding_numbers  how often the rings wind round each vertex of the diagram
 interior         the vertices and whole edges that lie inside
 update           what has to be clipped again after flips and on new rings
 planar_graph     the clipped diagram written as vertices and edges
-cell_rings       the cells of a diagram as rings
 """

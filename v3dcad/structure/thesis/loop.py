@@ -21,7 +21,7 @@ from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.sweep.kinetic_sweep import refuse_faults
 from v3dcad.structure.sweep.one_layer import Engine, diagrams_on
 from v3dcad.structure.sweep.ring_arrays import rings_of
-from v3dcad.structure.thesis.cells import present, rings
+from v3dcad.structure.thesis.cells import present
 from v3dcad.structure.thesis.insert import inserted, shared_vertex
 from v3dcad.structure.thesis.inset import STEP, inset
 from v3dcad.structure.thesis.proximity import cells_on_boundary
@@ -37,7 +37,7 @@ EQUAL = 1e-9
 class ThesisLayer(Layer):
     """A layer with what the thesis's plug-in puts out besides; `diagram` is the one after inset.
 
-    DL is `area_per_cell` of the layers, MST their `tree`, VT their `cells()`.
+    DL is `area_per_cell` of the layers, MST their `tree`, VT their `diagram.cells()`.
     """
 
     diagram_before_inset: Diagram
@@ -55,13 +55,6 @@ class ThesisLayer(Layer):
     def neighbours(self) -> Ints:
         """NT: (m, 2) site ids, i < j, of the cells that share an edge."""
         return self.diagram_before_inset.neighbours
-
-    def cells(self) -> dict[int, list[Floats]]:
-        """Each cell's rings (k, 2), mm, after the inset, in the order of `cell_order`."""
-        return {
-            site: [self.diagram.vertices[ring] for ring in rings(self.diagram, site)]
-            for site in self.cell_order.tolist()
-        }
 
 
 class ThesisLayers(LayerSequence):
@@ -152,6 +145,14 @@ class ThesisFilling:
     def strut_axes(self) -> NoReturn:
         """Refused, like the walls."""
         raise _no_space("strut axes")
+
+    def facets(self, top: float) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("walls")
+
+    def sites_at(self, points: Floats) -> NoReturn:
+        """Refused, like the walls."""
+        raise _no_space("walls")
 
     def at(self, z: float, section: Section | None = None) -> NoReturn:
         """Refused, like the walls."""

@@ -2,14 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from diagrams import stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from v3dcad.geometry.print_time import move_seconds
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
-from v3dcad.toolpath.estimate import estimate
 
 
 def seconds(steps: list[list[float]], speed: float, **given: float) -> float:
@@ -67,18 +64,3 @@ def test_between_never_stopping_and_always_stopping(
     length = sum(np.linalg.norm(step) for step in moves)
     assert found >= length / speed - 1e-9
     assert found <= sum(seconds([step], speed) for step in moves) + 1e-9
-
-
-def test_filament_and_mass() -> None:
-    options = PrintSettings()
-    paths = list(trace(stack(3), options))
-    found = estimate(paths, options)
-    volume = sum(path.volume.sum() for path in paths)
-    assert found.filament_mm == pytest.approx(volume / (np.pi / 4 * 1.75**2))
-    assert found.mass_g == pytest.approx(volume * 1.24e-3)
-    length = sum(np.linalg.norm(np.diff(path.points, axis=0), axis=1).sum() for path in paths)
-    assert length / 50 < found.time_s < length / 10 + 100
-
-
-def test_nothing_takes_no_time() -> None:
-    assert estimate([], PrintSettings()).time_s == 0
