@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from v3dcad.recipes import read_ont
     from v3dcad.settings import FillSettings, PrintSettings
     from v3dcad.slicing import Sections, place_on_bed, section
-    from v3dcad.structure.density import density
     from v3dcad.structure.fill import fill_sections
 
 _HOME = {
@@ -41,7 +40,6 @@ _HOME = {
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
-    "density": "structure.density",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
     "part_from": "parts",
@@ -64,7 +62,6 @@ __all__ = [
     "Structure",
     "V3dcadError",
     "build",
-    "density",
     "fill",
     "fill_sections",
     "part_from",

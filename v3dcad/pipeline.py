@@ -17,11 +17,18 @@ from v3dcad.files import written_beside
 from v3dcad.forms import Forms
 from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe
 from v3dcad.parts import MeshPart, part_from
-from v3dcad.recipes import boundary_form, boundary_of, changed, known_settings, part_of, read_ont
+from v3dcad.recipes import (
+    boundary_form,
+    boundary_of,
+    changed,
+    explicit_sites,
+    known_settings,
+    part_of,
+    read_ont,
+    sites_of,
+)
 from v3dcad.report import Print, report
 from v3dcad.settings import FillSettings, PrintSettings
-from v3dcad.structure.checksum import structure_checksum
-from v3dcad.structure.density import density
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -49,17 +56,19 @@ class Structure(Forms):
     filling: Filling | ThesisFilling
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
-    places: Floats
-    """(n, 2) mm: the sites as they were given or scattered, to the last bit"""
+    given: Floats | None
+    """(n, 3) or (n, 2) mm: the sites that a user gave, to the last bit"""
 
     @property
     def settings(self) -> FillSettings:
-        """What it was filled with; an offset of "auto" is the number it stood for."""
+        """What it was filled with; "auto" is the number it stood for."""
         return self.filling.settings
 
     @property
     def sites(self) -> Floats:
-        """(n, 2) mm: the sites at the base, as snapped to the engine's grid."""
+        """(n, 3) mm, bed coordinates: the sites as snapped to the engine's grid, those around the
+        part among them. By the thesis's method (n, 2), those at the base.
+        """
         return self.filling.sites
 
     @property
@@ -101,44 +110,41 @@ class Structure(Forms):
 
         Raises `SettingError` for the thesis's method, whose layers are not slices of such walls.
         """
-        # A whole mm above the top of a tiny part its weights would no longer fit the grid.
-        bounds = self.part.bounds
-        margin = min(1.0, float(np.ptp(bounds, axis=0).max()))
-        return self.filling.facets(float(bounds[1, 2]) + margin)
+        return self.filling.facets(float(self.part.bounds[1, 2]) + self.settings.layer_height)
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.
 
-        `boundary` is "exact" (the B-rep, or the triangles, to the last bit; sites that the random
-        seed scatters again are left out) or "stl" (the thesis's form: triangles, all sites). By
-        default a B-rep is kept exactly, and triangles as STL. The recipe of a B-rep "as stl" is
-        that of its tessellation.
+        `boundary` is "exact" (the B-rep, or the triangles, to the last bit) or "stl" (the thesis's
+        form: triangles). By default a B-rep is kept exactly, and triangles as STL. The recipe of a
+        B-rep "as stl" is that of its tessellation. Sites that the settings make again are left out,
+        but for the thesis's method in the thesis's form.
         """
         form = boundary_form(boundary, self.part)
         if form == "stl" and not isinstance(self.part, MeshPart):
             mesh = MeshPart(self.part.name, self.part.mesh())
-            tessellated = build(mesh, self.settings, self.places)
+            tessellated = build(mesh, self.settings, self.given)
             placement = self.placement.then(tessellated.placement)
             return replace(tessellated, placement=placement).recipe(form)
-        sites = np.column_stack([self.places, np.zeros(len(self.places))])
+        sites = self.given
+        if sites is None and form == "stl" and self.settings.method == "thesis":
+            rectangle, settings = self.part.bounds[:, :2], self.settings
+            sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
+        if sites is not None and sites.shape[1] == 2:
+            sites = np.column_stack([sites, np.zeros(len(sites))])
         return Recipe(
             name=self.part.name,
             settings=self.settings,
-            sites=None if form == "exact" and self._scatters_again() else sites,
+            sites=sites,
             boundary=boundary_of(self.part),
             placement=self.placement,
             checksum=self.checksum(),
             software=f"v3dcad {VERSION}",
         )
 
-    def _scatters_again(self) -> bool:
-        """Whether settings alone give these sites."""
-        again = scatter_sites(self.part.bounds[:, :2], len(self.places), self.settings.random_seed)
-        return np.array_equal(again, self.places)
-
     def checksum(self) -> Checksum:
         """The check sum by which the structure is known; goes through all layers."""
-        return structure_checksum(self.layers, self.filling.grid)
+        return self.filling.checksum(self.layers)
 
     def write_ont(self, path: str | Path, boundary: str | None = None) -> None:
         """Write the structure as `.ont`; `boundary` as for `recipe`."""
@@ -213,31 +219,25 @@ class Structure(Forms):
 def build(
     part: Part,
     settings: FillSettings,
-    sites: Floats | density | None = None,
+    sites: Floats | None = None,
     executor: Executor | None = None,
 ) -> Structure:
     """Part → sections → structure; opens no file, port or window.
 
-    `sites` (n, 2), mm in bed coordinates, or their density take the place of the scatter; the
-    structure's settings say how many they are. An executor computes several sections at a time.
-    Raises `SettingError` where settings do not fit the part, `GeometryError` or `KernelError`
-    where it cannot be cut.
+    `sites` (n, 3), mm, bed coordinates, or (n, 2) for columns, take the place of those that the
+    settings say. An executor computes several sections at a time. Raises `SettingError` where
+    settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
     placement = part.placement
     rectangle = part.bounds[:, :2]
-    if sites is None:
-        sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
-    elif isinstance(sites, density):
-        sites = sites.scatter(rectangle, settings.random_seed)
-    elif not ((sites >= rectangle[0]) & (sites <= rectangle[1])).all(axis=1).any():
+    if sites is not None and not _any_inside(sites[:, :2], rectangle):
         low, high = rectangle
         raise SettingError(
             "sites",
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
-    settings = replace(settings, sites=len(sites))
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
     lofts = settings.method == "thesis" and settings.interpolate
     planes = np.unique(heights[[0, -1]]) if lofts else heights
@@ -249,23 +249,29 @@ def build(
     return Structure(part, placement, filling, filling.layers, sites)
 
 
+def _any_inside(sites: Floats, rectangle: Floats) -> bool:
+    inside = (sites >= rectangle[0]) & (sites <= rectangle[1])
+    return bool(inside.all(axis=1).any())
+
+
 def fill(
     source: Any,
     *,
-    sites: int | Sequence[Sequence[float]] | Floats | density | None = None,
+    sites: int | Sequence[Sequence[float]] | Floats | None = None,
     verify: bool = True,
     executor: Executor | None = None,
     **settings: Any,
 ) -> Structure:
-    """Fill a part with a Voronoi structure.
+    """Fill a part with a foam, or with the thesis's structure.
 
     `source` is a path (STEP, STL, 3MF, OBJ, BREP, `.ont`), a `Recipe`, a part of `part_from` or
     `place_on_bed`, a shape of build123d, CadQuery or OCP, or a pair (vertices, triangles). `sites`
-    is how many to scatter, their places (n, 2) in mm, bed coordinates, or their `density`. An
-    executor (of threads, of processes, a cluster's) computes several sections at a time. Further
-    settings are the fields of `FillSettings`. What a recipe says is taken from it, unless given
-    here; where nothing is, the structure must have the recipe's check sum (`verify=False`: need
-    not). Raises `V3dcadError`s that say what to do.
+    are places in mm, bed coordinates, that take the place of those that the settings say: (n, 3)
+    with a `stretch` that is a number, or (n, 2) for columns and the thesis's method; for the latter
+    also how many to scatter. An executor (of threads, of processes, a cluster's) computes several
+    sections at a time. Further settings are the fields of `FillSettings`. What a recipe says is
+    taken from it, unless given here; where nothing is, the structure must have the recipe's check
+    sum (`verify=False`: need not). Raises `V3dcadError`s that say what to do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
         source = read_ont(source)
@@ -276,11 +282,10 @@ def fill(
     if sites is None or isinstance(sites, int):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor)
-    if isinstance(sites, density):
-        return build(part_from(source), known_settings(settings), sites, executor)
-    explicit = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
-    chosen = known_settings({**settings, "sites": len(explicit)})
-    return build(part_from(source), chosen, explicit, executor)
+    explicit = explicit_sites(sites)
+    if settings.get("method") == "thesis":
+        settings = {**settings, "sites": len(explicit)}
+    return build(part_from(source), known_settings(settings), explicit, executor)
 
 
 def build_recipe(
@@ -291,8 +296,7 @@ def build_recipe(
     Raises `FormatError` where the structure is not the one whose check sum the recipe has,
     unless `verify` is off; otherwise as `build`.
     """
-    sites = None if recipe.sites is None else recipe.sites[:, :2]
-    structure = build(part_of(recipe), recipe.settings, sites, executor)
+    structure = build(part_of(recipe), recipe.settings, sites_of(recipe), executor)
     structure = replace(structure, placement=recipe.placement.then(structure.placement))
     if verify and recipe.checksum is not None:
         differences = structure.checksum().differences(recipe.checksum)

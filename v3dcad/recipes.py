@@ -10,9 +10,9 @@ import numpy as np
 
 from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
-from v3dcad.model import Brep, Mesh, Part, Recipe
+from v3dcad.model import Brep, Floats, Mesh, Part, Recipe
 from v3dcad.parts import MeshPart, check_readable, part_from
-from v3dcad.settings import FillSettings
+from v3dcad.settings import FillSettings, declared
 
 BOUNDARIES = ("stl", "exact")
 """How an `.ont` file may hold the part: as the thesis does, or to the last bit and small."""
@@ -64,43 +64,86 @@ def known_settings(chosen: dict[str, Any]) -> FillSettings:
     return FillSettings(**chosen)
 
 
+def explicit_sites(sites: Any) -> Floats:
+    """Sites that a user gave as an array (n, 2) or (n, 3); `SettingError` for anything else."""
+    try:
+        rows = np.asarray(sites, dtype=np.float64)
+    except (TypeError, ValueError):
+        rows = np.empty(0)
+    if rows.ndim != 2 or rows.shape[1] not in (2, 3) or not len(rows):
+        raise SettingError(
+            "sites", "sites: give rows of x, y, z, or of x, y for columns, all of the same length"
+        )
+    return rows
+
+
+def sites_of(recipe: Recipe) -> Floats | None:
+    """The sites that a recipe lists, as `build` takes them; None where its settings make them."""
+    settings = recipe.settings
+    if recipe.sites is None or (settings.method == "foam" and settings.stretch != "columns"):
+        return recipe.sites
+    return recipe.sites[:, :2]
+
+
 def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     """The recipe of another structure, which has no check sum yet.
 
-    Another random seed, or a number of sites, scatters them anew; places (n, 2) take their place.
+    Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
+    (n, 3) take their place.
     """
     kept = recipe.sites
+    usual = FillSettings.__dataclass_fields__
+    before = {name: getattr(recipe.settings, name) for name in usual}
+    method = settings.get("method", recipe.settings.method)
+    if method != recipe.settings.method:
+        kept = None
+        before = {name: value for name, value in before.items() if not declared_for_one(name)}
     if isinstance(sites, int):
         kept, settings = None, {**settings, "sites": sites}
     elif sites is not None:
-        flat = np.asarray(sites, dtype=np.float64).reshape(-1, 2)
-        kept = np.column_stack([flat, np.zeros(len(flat))])
-        settings = {**settings, "sites": len(flat)}
-    elif "random_seed" in settings:
+        kept = explicit_sites(sites)
+        if method == "thesis":
+            settings = {**settings, "sites": len(kept)}
+        if kept.shape[1] == 2:
+            kept = np.column_stack([kept, np.zeros(len(kept))])
+    elif {"random_seed", "cell_size"} & settings.keys():
         kept = None
-    before = {name: getattr(recipe.settings, name) for name in FillSettings.__dataclass_fields__}
     return replace(
         recipe, settings=known_settings({**before, **settings}), sites=kept, checksum=None
     )
 
 
+def declared_for_one(name: str) -> bool:
+    """Whether a setting belongs to one method only."""
+    return declared(FillSettings, name).method is not None
+
+
 def told(recipe: Recipe) -> dict[str, str]:
     """What a recipe says besides its part, as lines to show."""
-    usual = FillSettings()
+    settings, usual = recipe.settings, FillSettings(method=recipe.settings.method)
     others = {
-        name.replace("_", " "): f"{getattr(recipe.settings, name)}"
+        name.replace("_", " "): f"{getattr(settings, name)}"
         for name in FillSettings.__dataclass_fields__
-        if name not in ("offset", "layer_height", "sites")
-        and getattr(recipe.settings, name) != getattr(usual, name)
+        if name not in ("method", "cell_size", "stretch", "offset", "layer_height", "sites")
+        and getattr(settings, name) != getattr(usual, name)
     }
-    scattered = "scattered again from the random seed" if recipe.sites is None else "listed"
+    if settings.method == "thesis":
+        held = "scattered again from the random seed" if recipe.sites is None else "listed"
+        kind = {
+            "offset": f"{float(settings.offset):g} mm² a layer",
+            "sites": f"{settings.sites}, {held}",
+        }
+    else:
+        kind = {"cell size": f"{settings.cell_size} mm", "stretch": f"{settings.stretch}"}
+        if recipe.sites is not None:
+            kind = {"sites": f"{len(recipe.sites)}, listed", "stretch": f"{settings.stretch}"}
     return {
         "kind": ".ont",
         "written by": recipe.software or "another program, in the thesis's form",
         "boundary": "triangles" if isinstance(recipe.boundary, Mesh) else "B-rep",
-        "offset": f"{float(recipe.settings.offset):g} mm² a layer",
-        "layer height": f"{recipe.settings.layer_height:g} mm",
-        "sites": f"{recipe.settings.sites}, {scattered}",
+        "method": settings.method,
+        **kind,
+        "layer height": f"{settings.layer_height:g} mm",
         **others,
         "check sum": "none" if recipe.checksum is None else f"{recipe.checksum.sha256[:16]}…",
     }

@@ -11,7 +11,6 @@ from importlib import import_module
 
 OURS = (
     "v3dcad.geometry.power_diagram.kinetic_triangulation",
-    "v3dcad.structure.births",
     "v3dcad.structure.sweep.layer_loop",
     "v3dcad.structure.fill",
     "v3dcad.structure.wall_distance",

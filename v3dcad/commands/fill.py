@@ -39,7 +39,9 @@ def fill(
     ] = None,
     sites_file: Annotated[
         Path | None,
-        typer.Option(metavar="CSV", help="Sites as x,y in mm, bed coordinates; not scattered."),
+        typer.Option(
+            metavar="CSV", help="Sites as x,y,z in mm, or x,y for columns; bed coordinates."
+        ),
     ] = None,
     profile: Annotated[
         str | None,
@@ -161,8 +163,7 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("cells", f"{summary['cells']}"),
             ("walls", f"{summary['walls']}"),
             ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m"),
-            ("births", f"{len(summary['births'])}"),
-            ("offset", f"{summary['settings']['offset']:.6g} mm² a layer"),
+            *_method_rows(summary),
             ("overhang", certificate_line(summary["overhang"])),
             *_print_rows(summary.get("print")),
             *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values()),
@@ -170,6 +171,18 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ]
     )
+
+
+def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    settings = summary["settings"]
+    if settings["method"] == "thesis":
+        return [
+            ("births", f"{len(summary['births'])}"),
+            ("offset", f"{settings['offset']:.6g} mm² a layer"),
+        ]
+    size, stretch = settings["cell_size"], settings["stretch"]
+    shape = stretch if isinstance(stretch, str) else f"stretched {stretch:.4g} times"
+    return [("foam", shape if isinstance(size, str) else f"cells of {size:.4g} mm, {shape}")]
 
 
 def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:

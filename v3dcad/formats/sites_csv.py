@@ -1,4 +1,4 @@
-"""Explicit sites from a CSV file of x and y in mm, in bed coordinates."""
+"""Explicit sites from a CSV file of x, y and z in mm, in bed coordinates."""
 
 from __future__ import annotations
 
@@ -13,29 +13,36 @@ from v3dcad.model import Floats
 
 
 def read_sites(path: Path) -> Floats:
-    """Sites (n, 2), mm, one `x,y` a line; a first line without numbers is taken as a heading.
+    """Sites (n, 3), mm, one `x,y,z` a line, or (n, 2), one `x,y` a line for columns.
 
-    Further columns are an error, so that a list of X,Y,Z is not misread by chance.
+    A first line without numbers is taken as a heading. Lines of different lengths are an error.
     """
-    sites: list[tuple[float, float]] = []
+    sites: list[list[float]] = []
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             for number, row in enumerate(csv.reader(file), start=1):
                 if not row:
                     continue
                 try:
-                    x, y = map(float, row)
+                    site = [float(word) for word in row]
                 except ValueError:
                     if number == 1:
                         continue
+                    site = []
+                if len(site) not in (2, 3):
                     raise FormatError(
-                        "write one `x,y` in mm", path=str(path), line=number
-                    ) from None
-                if not (math.isfinite(x) and math.isfinite(y)):
+                        "write one `x,y,z` in mm, or `x,y` for columns", path=str(path), line=number
+                    )
+                if sites and len(site) != len(sites[0]):
+                    raise FormatError(
+                        f"{len(site)} numbers, where the lines before have {len(sites[0])}",
+                        path=str(path), line=number,
+                    )  # fmt: skip
+                if not all(map(math.isfinite, site)):
                     raise FormatError("not a finite number", path=str(path), line=number)
-                sites.append((x, y))
+                sites.append(site)
     except (UnicodeDecodeError, csv.Error) as error:
         raise FormatError(f"not a CSV text file ({error})", path=str(path)) from error
     if not sites:
-        raise FormatError("holds no sites; write one `x,y` in mm a line", path=str(path))
+        raise FormatError("holds no sites; write one `x,y,z` in mm a line", path=str(path))
     return np.array(sites)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.solid.facets import Facets
-from v3dcad.model import Diagram, Floats, Ints, Layer, Section
+from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Section
 from v3dcad.settings import FillSettings
+from v3dcad.structure.checksum import foam_checksum
 from v3dcad.structure.foam.choice import foam_for
 from v3dcad.structure.foam.sites import FoamSites, SlicedSites
 from v3dcad.structure.foam.space import Space, space_of
@@ -24,16 +25,6 @@ AT_ONCE = 256
 VERTICES_AT_ONCE = 1 << 16
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
-
-KEPT = 31 << 20
-"""Bytes. Once an array of this size has been freed, which costs nothing if nobody writes to it, the
-C library of Linux keeps smaller ones for the next to come. It would hand each back to the system,
-to get it anew page by page: a third of the time of filling. 32 MiB is the most that it allows."""
-
-
-def keep_freed_memory() -> None:
-    """Have the C library keep the memory that is freed from now on (see `KEPT`)."""
-    np.empty(KEPT, np.uint8)
 
 
 def fill_sections(
@@ -108,6 +99,10 @@ class Filling:
         """The layers, one for each section."""
         return Layers(self)
 
+    def checksum(self, layers: Iterable[Layer]) -> Checksum:
+        """The check sum of the filling's layers; goes through them once."""
+        return foam_checksum(layers, self.foam)
+
     def space(self, low: float, high: float) -> Space:
         """The cells' walls and struts in the base rectangle between two heights, mm."""
         corners = np.array([[*self.box[0], low], [*self.box[2], high]])
@@ -158,7 +153,6 @@ class Filling:
 
     def climb(self) -> Iterator[Layer]:
         """The layers from the first to the last, one at a time."""
-        keep_freed_memory()
         sections, index = self.sections, 0
         times = self.foam.times(self._heights)
         sweep = Sweep(self.grid, self._swept, times, self._block)
@@ -177,7 +171,7 @@ class Filling:
 
 
 def refuse_heights(sections: Sequence[Section]) -> None:
-    """Raise `GeometryError` unless the heights of sections are finite, ascending, and not below 0."""
+    """Raise `GeometryError` unless heights of sections are finite, ascending, and not below 0."""
     heights = np.array([section.z for section in sections])
     for layer in np.nonzero(~np.isfinite(heights))[0]:
         raise GeometryError("its height is not a finite number", layer=int(layer))

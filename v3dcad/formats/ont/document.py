@@ -26,8 +26,8 @@ from v3dcad.formats.ont.settings import settings_fields, settings_from
 from v3dcad.model import Brep, Checksum, Floats, Mesh, Placement, Recipe
 from v3dcad.settings import FillSettings, declared
 
-FORMAT = 1
-"""The version that we write; files of a later one are refused, and of an earlier one read."""
+FORMAT = 2
+"""The version that we write and read. Format 1 was never released."""
 
 OFFSET, HEIGHT = "OFFSET_VALUE", "LAYER_HEIGHT"
 OURS, SETTINGS, BOUNDARY, CHECKSUM = "V3DCAD", "SETTINGS", "BOUNDARY", "CHECKSUM"
@@ -50,14 +50,16 @@ def ont_text(recipe: Recipe, boundary: str) -> str:
 
     `boundary` is "stl" (the thesis's form; the recipe must hold a mesh and sites) or "exact".
     """
-    lines = [f"[{OFFSET}]", number_text(float(recipe.settings.offset))]
+    # Readers of the thesis's form expect the section; a foam has no offset.
+    thesis = recipe.settings.method == "thesis"
+    lines = [f"[{OFFSET}]", number_text(float(recipe.settings.offset)) if thesis else "0"]
     lines += [f"[{HEIGHT}]", number_text(recipe.settings.layer_height)]
     if recipe.sites is not None:
         lines.append(f"[{SITES}]")
         lines += [",".join(map(number_text, site)) for site in recipe.sites.tolist()]
     if boundary == "stl":
-        if recipe.sites is None or not isinstance(recipe.boundary, Mesh):
-            raise ValueError("this form holds triangles and lists the sites")
+        if not isinstance(recipe.boundary, Mesh) or (thesis and recipe.sites is None):
+            raise ValueError("this form holds triangles, and the thesis's lists the sites")
         lines += [f"[{PART}]", ascii_stl(recipe.boundary, "mesh").removesuffix("\n")]
     ours = {"format": str(FORMAT), "software": recipe.software or "unknown", "units": "mm"}
     if recipe.placement.translation.any():
@@ -87,9 +89,9 @@ def recipe_in(data: bytes, path: str) -> Recipe:
     exact = BOUNDARY in sections
     if exact and PART in sections:
         raise sections[BOUNDARY].error(f"stands here beside [{PART}]; one boundary is needed")
-    if sites is None and not exact:
-        raise FormatError("is missing; the file is not whole", path=path, section=SITES)
     ours = exact or any(name in sections for name in (OURS, SETTINGS, CHECKSUM))
+    if sites is None and not ours:
+        raise FormatError("is missing; the file is not whole", path=path, section=SITES)
     software, placement = "", Placement.none()
     announced: dict[str, Field] = {}
     if ours:
@@ -187,9 +189,14 @@ def _whole(body: Body) -> Fields:
 def _ours(body: Body) -> tuple[str, Placement]:
     fields = _whole(body)
     version = fields.take("format")
-    if not 1 <= version.count() <= FORMAT:
+    if version.count() < FORMAT:
         raise version.error(
-            f"format {version.value}, this v3dcad reads up to {FORMAT}; update v3dcad"
+            f"format {version.value} holds columns that grow, which no v3dcad makes any more; fill "
+            "the part again"
+        )
+    if version.count() > FORMAT:
+        raise version.error(
+            f"format {version.value}, this v3dcad reads format {FORMAT}; update v3dcad"
         )
     software = fields.take("software").matching(r"[\w.+ -]{1,64}", "a program's name and version")
     fields.take("units").one_of("mm")

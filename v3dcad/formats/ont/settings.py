@@ -8,12 +8,12 @@ from typing import Any, get_args, get_type_hints
 from v3dcad.errors import SettingError
 from v3dcad.formats.numbers import number_in, number_text
 from v3dcad.formats.ont.sections import Field
-from v3dcad.settings import FillSettings
+from v3dcad.settings import FillSettings, declared
 
 IN_OWN_SECTIONS = ("offset", "layer_height")
 """Settings that the thesis gives a section each."""
 
-ALWAYS = ("random_seed",)
+ALWAYS = ("method", "cell_size", "stretch", "max_overhang", "random_seed")
 """Settings that are written even where they are the default."""
 
 
@@ -24,6 +24,7 @@ def settings_fields(settings: FillSettings) -> dict[str, str]:
         name: _text(getattr(settings, name))
         for name in FillSettings.__dataclass_fields__
         if name not in IN_OWN_SECTIONS
+        and declared(FillSettings, name).method in (None, settings.method)
         and (name in ALWAYS or getattr(settings, name) != getattr(defaults, name))
     }
 
@@ -33,10 +34,16 @@ def settings_from(
 ) -> FillSettings:
     """The settings in a file, the others at their defaults; `sites` where the file lists them.
 
+    A file without settings of ours is the thesis's.
+
     Raises `FormatError` for a setting that is not known, or a value that is none or out of range.
     """
     hints = get_type_hints(FillSettings)
-    chosen: dict[str, Any] = {"offset": offset, "layer_height": layer_height}
+    chosen: dict[str, Any] = {"layer_height": layer_height}
+    method = fields["method"].value if "method" in fields else "thesis"
+    chosen["method"] = method
+    if method == "thesis":
+        chosen["offset"] = offset
     for name, field in fields.items():
         if name not in hints or name in IN_OWN_SECTIONS:
             raise field.error(
@@ -45,10 +52,10 @@ def settings_from(
             )
         chosen[name] = _value(field, hints[name])
         try:
-            FillSettings(**{name: chosen[name]})
+            FillSettings(**{"method": method, name: chosen[name]})
         except SettingError as error:
             raise field.error(str(error)) from error
-    if sites is not None and chosen.setdefault("sites", sites) != sites:
+    if sites is not None and method == "thesis" and chosen.setdefault("sites", sites) != sites:
         raise fields["sites"].error(f"announces {chosen['sites']} sites, {sites} are given")
     return FillSettings(**chosen)
 

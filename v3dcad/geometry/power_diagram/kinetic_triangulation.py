@@ -1,4 +1,4 @@
-"""Power diagrams whose weights change linearly: only the flips that happen, and the points that enter.
+"""Power diagrams whose weights change linearly: only the flips that happen, and points that enter.
 
 The heap of moments at which edges' power tests fail (`event_queue.py`) drives the flips (a kinetic
 data structure: Basch, Guibas and Hershberger, "Data structures for mobile data", J. Algorithms

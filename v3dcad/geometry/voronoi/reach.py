@@ -13,7 +13,7 @@ import numpy as np
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
-from v3dcad.geometry.voronoi.bins import CROWDED, ROOM, Bins, bin_at, gather
+from v3dcad.geometry.voronoi.bins import CROWDED, ROOM, Bins, bin_at, bins_of, gather, homes_of
 from v3dcad.geometry.voronoi.neighbours import spacing_around
 from v3dcad.model import Floats
 
@@ -146,3 +146,13 @@ def cell_reaches(bins: Bins, places: Floats, low: Floats, high: Floats) -> Float
         raise GeometryError(f"over {ROOM} sites are near it: too uneven", site=site)
     spread_bounds(bins, bounds, reaches)
     return reaches
+
+
+def site_reaches(places: Floats, low: Floats, high: Floats) -> Floats:
+    """How far the cell of each site (n, 3) reaches at most from it in the box low … high (3,).
+
+    0 where the cell is not in the box. Raises `GeometryError` as `cell_reaches`.
+    """
+    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
+    bins = bins_of(places, start, end, periodic=False)
+    return cell_reaches(bins, places, low, high)[homes_of(bins, places)]

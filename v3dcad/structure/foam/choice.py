@@ -11,6 +11,7 @@ from v3dcad.model import Floats
 from v3dcad.settings import FillSettings
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.sites import FoamSites
+from v3dcad.structure.foam.space import steepest_in, tilt
 from v3dcad.structure.foam.tile import MARGIN_CELLS, stretch_for
 from v3dcad.structure.foam.uniform import uniform_sites
 from v3dcad.structure.sites import scatter_sites
@@ -24,7 +25,7 @@ LEAST, MOST = 3.0, 15.0
 def foam_for(
     low: Floats, high: Floats, sites: Floats | None, settings: FillSettings
 ) -> tuple[FoamSites, FillSettings]:
-    """The sites for a part in the box low … high (3,), mm, and the settings with numbers for "auto".
+    """The sites for a part in the box low … high (3,), mm, and settings without "auto".
 
     `sites` (n, 3) or (n, 2), mm, if the user gives them. Raises `SettingError` where settings do
     not fit the part or each other, `GeometryError` for sites that cannot be computed with.
@@ -97,11 +98,11 @@ def _given(
 def refuse_overhang(foam: FoamSites, low: Floats, high: Floats, max_overhang: float) -> None:
     """Raise `SettingError` for sites with a wall in a box that leans more than an angle, degrees."""
     worst = steepest_in(foam, low, high)
-    tilt = worst_tilt(worst.tau, foam.stretch)
-    if max_overhang < 90 and tilt > max_overhang * (1 + 1e-12):
+    angle = tilt(worst, foam.stretch)
+    if max_overhang < 90 and angle > max_overhang * (1 + 1e-12):
         i, j = worst.sites
         raise SettingError(
             "max_overhang",
-            f"the wall between sites {i} and {j} leans {tilt:.4g}°, more than {max_overhang:g}°: "
+            f"the wall between sites {i} and {j} leans {angle:.4g}°, more than {max_overhang:g}°: "
             "move them, stretch them more, or allow it with --max-overhang",
         )

@@ -8,9 +8,13 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.power_diagram.grid import Grid
+from v3dcad.geometry.voronoi.reach import site_reaches
 from v3dcad.model import Floats, Ints
 from v3dcad.structure.foam.sites import FoamSites
 from v3dcad.structure.sweep.sites import ALWAYS
+
+FEW = 1000
+"""So many sites are always in the mesh."""
 
 
 def explicit_sites(points: Floats, stretch: float, low: Floats, high: Floats) -> FoamSites:
@@ -39,11 +43,23 @@ def explicit_sites(points: Floats, stretch: float, low: Floats, high: Floats) ->
             stacklevel=3,
         )
         whole = whole[np.sort(first)]
-    return FoamSites(grid, stretch, whole, _spans(whole))
+    return FoamSites(grid, stretch, whole, _spans(whole, grid, low, high))
 
 
-def _spans(places: Ints) -> Ints:
-    return np.tile([-ALWAYS, ALWAYS], (len(places), 1))
+def _spans(places: Ints, grid: Grid, low: Floats, high: Floats) -> Ints:
+    """Between which heights (n, 2) cells may be in the box low … high (3,), stretched space.
+
+    Few sites may all be in the mesh at once. Of many, it is bounded how far cells reach, which
+    takes about as long as to find their walls.
+    """
+    if len(places) <= FEW:
+        return np.tile([-ALWAYS, ALWAYS], (len(places), 1))
+    corner = np.append(grid.origin, 0.0)
+    box = [np.asarray((end - corner) / grid.pitch) for end in (low, high)]
+    reach = site_reaches(places.astype(np.float64), *box)
+    spans: Ints = places[:, 2:] + np.ceil(reach).astype(np.int64)[:, None] * np.array([-1, 1])
+    spans[reach == 0] = ALWAYS, -ALWAYS
+    return spans
 
 
 def _refuse_far(points: Floats, places: Floats, low: Floats, high: Floats) -> None:

@@ -27,7 +27,7 @@ COLUMN = 1 << 50
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FoamSites(Value):
-    """Sites in the stretched space, in grid steps, and the heights between which each has a cell."""
+    """Sites in the stretched space, in grid steps, and between which heights each has a cell."""
 
     grid: Grid
     """of x and y"""

@@ -32,7 +32,7 @@ CROSSINGS = 64
 """Room for so many crossings of rings and edges at first."""
 
 Sliced = tuple[Diagram, Ints, float]
-"""A diagram, its minimum spanning tree (m, 2), and the section's area for each of its cells, mm²."""
+"""A diagram, its minimum spanning tree (m, 2), and the section's area per cell, mm²."""
 
 
 class Sweep:

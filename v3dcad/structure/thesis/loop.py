@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
@@ -12,8 +12,9 @@ import numpy as np
 from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import Grid
-from v3dcad.model import Diagram, Floats, Ints, Layer, PlaneSites, Section
+from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, PlaneSites, Section
 from v3dcad.settings import FillSettings
+from v3dcad.structure.checksum import thesis_checksum
 from v3dcad.structure.growth import growing, settled_offset
 from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.overhang import all_neighbours
@@ -88,9 +89,7 @@ class ThesisLayers(LayerSequence):
 
 
 def _no_space(what: str) -> SettingError:
-    return SettingError(
-        "method", f"--method thesis: its layers have no {what}; take --method foam"
-    )
+    return SettingError("method", f"--method thesis: its layers have no {what}; take --method foam")
 
 
 class ThesisFilling:
@@ -125,6 +124,10 @@ class ThesisFilling:
     def layers(self) -> ThesisLayers:
         """The layers, one for each section."""
         return ThesisLayers(self)
+
+    def checksum(self, layers: Iterable[Layer]) -> Checksum:
+        """The check sum of the filling's layers, or of lofted ones; goes through them once."""
+        return thesis_checksum(layers, self.grid)
 
     @property
     def births(self) -> Ints:
@@ -255,7 +258,9 @@ def thesis_filling(
         sites = scatter_sites(box, settings.sites, settings.random_seed)
     sites = np.ascontiguousarray(sites, np.float64)
     if sites.ndim != 2 or sites.shape[1] != 2 or not len(sites):
-        raise SettingError("sites", "--method thesis takes sites as rows of x, y; give at least one")
+        raise SettingError(
+            "sites", "--method thesis takes sites as rows of x, y; give at least one"
+        )
     low, high = _around(sites, box)
     grid = Grid.around(low, high)
     places = grid.snap(sites)
