@@ -4,8 +4,9 @@ Coordinates stay below 2²⁸ and weights below 2⁵³ (see `grid.py`), so that 
 The power test, a 3 × 3 determinant, is summed in 128 bits. Where it is zero, four weighted points
 are orthogonal to one circle, and weights perturbed by infinitesimals decide: that of the point
 with the lowest number by the largest, that of the next by an infinitely smaller one, and so on
-(Edelsbrunner and Mücke, "Simulation of Simplicity", ACM Trans. Graphics 1990). The predicate is then never zero unless all four points
-are collinear, and every set of distinct points has exactly one regular triangulation.
+(Edelsbrunner and Mücke, "Simulation of Simplicity", ACM Trans. Graphics 1990). The predicate is
+then never zero unless all four points are collinear, and every set of distinct points has exactly
+one regular triangulation.
 """
 
 from __future__ import annotations

@@ -81,9 +81,9 @@ def bins_of(places: Floats, low: Floats, high: Floats, *, periodic: bool) -> Bin
 @compiled(INLINED)
 def layer_of(bins: Bins, axis: int, coordinate: float) -> int:
     """Which layer of bins along an axis a coordinate is in; with periods, also beyond the grid."""
-    layer = np.int64(np.floor((coordinate - bins.low[axis]) / bins.sides[axis]))
+    layer = int(np.floor((coordinate - bins.low[axis]) / bins.sides[axis]))
     if bins.periods[axis] == 0:
-        layer = max(np.int64(0), min(layer, bins.shape[axis] - 1))
+        layer = max(0, min(layer, bins.shape[axis] - 1))
     return layer
 
 

@@ -97,8 +97,7 @@ def find_steepest(
             return site
         near_first(count, 1.2 * reach, names, offsets, squares)
         for other in range(count):
-            x, y = np.int64(offsets[other, 0]), np.int64(offsets[other, 1])
-            z = np.int64(offsets[other, 2])
+            x, y, z = int(offsets[other, 0]), int(offsets[other, 1]), int(offsets[other, 2])
             if names[other] > site and is_steeper(z * z, x * x + y * y, worst):
                 size = wall(offsets, count, other, reach, ROUNDING * reach * reach, polygon)
                 if cut_by_box(polygon, size, places[site], low, high, ROUNDING * reach) > 0:

@@ -96,7 +96,7 @@ def _given(
 
 
 def refuse_overhang(foam: FoamSites, low: Floats, high: Floats, max_overhang: float) -> None:
-    """Raise `SettingError` for sites with a wall in a box that leans more than an angle, degrees."""
+    """Raise `SettingError` if a wall in a box leans more than an angle, degrees."""
     worst = steepest_in(foam, low, high)
     angle = tilt(worst, foam.stretch)
     if max_overhang < 90 and angle > max_overhang * (1 + 1e-12):

@@ -127,7 +127,7 @@ def is_near(foam: Foam, middle: FloatArray, site: int, reach: float) -> bool:
         if periods[axis] > 0:
             offset -= periods[axis] * np.floor(offset / periods[axis] + 0.5)
         square += offset * offset
-    return square <= (reach * foam.radii[site]) ** 2
+    return bool(square <= (reach * foam.radii[site]) ** 2)
 
 
 @compiled(INTERNAL)

@@ -18,10 +18,10 @@ STATE = types.uint64[::1]
 def random_bits(state: WordArray) -> Word:
     """64 random bits; moves the state (1,) uint64 on."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
-    bits = state[0]
+    bits: np.uint64 = state[0]
     bits = (bits ^ (bits >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     bits = (bits ^ (bits >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return bits ^ (bits >> np.uint64(31))
+    return int(bits ^ (bits >> np.uint64(31)))
 
 
 @compiled(ENTRY)
