@@ -143,7 +143,7 @@ def test_curved_solids(name: str):
     shape = CURVED[name]()
     mesh = surface_mesh(shape)
     turns = turning_points(
-        mesh.heap, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
+        mesh.coefficients, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
     )
     assert not turns.any()
     heights = middles(mesh, 200)

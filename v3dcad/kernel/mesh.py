@@ -37,12 +37,12 @@ from v3dcad.errors import KernelError
 from v3dcad.geometry.mesh.section import pair_sides
 from v3dcad.geometry.surface.critical_points import critical_points
 from v3dcad.geometry.surface.curves import curve_points
-from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.poles import with_meridians
 from v3dcad.geometry.surface.refinement import refined
 from v3dcad.geometry.surface.surfaces import surface_points
-from v3dcad.kernel.flattening import Packer
+from v3dcad.kernel.flattening import Flattener
 from v3dcad.model import Ints, Mesh
 
 DEFLECTION = 0.002
@@ -116,10 +116,10 @@ class _Collector:
     """
 
     def __init__(self) -> None:
-        self.packer = Packer()
+        self.flattener = Flattener()
         self.faces: list[TopoDS_Face] = []
         self.surfaces: list[int] = []
-        self.gapes: list[float] = []
+        self.gaps: list[float] = []
         self.triangles: list[Ints] = []
         self.corner_uv: list[float] = []
         self.corner_node: list[int] = []
@@ -170,8 +170,8 @@ class _Collector:
             triangles = triangles[:, [0, 2, 1]]
         self.triangles.append(triangles)
         self.faces.append(face)
-        self.gapes.append(tolerance if tolerance > GAPE else 0.0)
-        self.surfaces.append(self.packer.surface(BRep_Tool.Surface_s(face)))
+        self.gaps.append(tolerance if tolerance > MIN_GAP else 0.0)
+        self.surfaces.append(self.flattener.surface(BRep_Tool.Surface_s(face)))
 
     def _add_boundary(self, edge: TopoDS_Edge, polygon: Any, first: int) -> None:
         """Give the corners along an edge the edge's nodes, and their sides its stretches."""
@@ -198,14 +198,14 @@ class _Collector:
         known = self.divided.get(name)
         if known is None:
             known = self.divided[name] = (len(self.nodes), len(self.stretches))
-            curve = self.packer.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0))
+            curve = self.flattener.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0))
             shares = [polygon.Parameter(i) for i in range(1, count + 1)]
             self.nodes += [(np.nan, curve, share) for share in shares[1:-1]]
             self.stretches += [(curve, start, stop) for start, stop in pairwise(shares)]
         return known
 
     def mesh(self) -> SurfaceMesh:
-        heap = self.packer.heap()
+        coefficients = self.flattener.coefficients()
         surfaces = np.array(self.surfaces, np.int64)
         triangles = np.concatenate([np.empty((0, 3), np.int64), *self.triangles])
         uv = np.array(self.corner_uv).reshape(-1, 2)
@@ -216,20 +216,20 @@ class _Collector:
         nodes = np.array(self.nodes + [(0.0, 0.0, 0.0)] * len(inner))
         on_edge = np.flatnonzero(np.isnan(nodes[:, 0]))
         curves = nodes[on_edge, 1].astype(np.int64)
-        nodes[on_edge] = curve_points(heap, curves, nodes[on_edge, 2])
+        nodes[on_edge] = curve_points(coefficients, curves, nodes[on_edge, 2])
         beneath = surfaces[np.array(self.corner_face, np.int64)[inner]]
-        nodes[node_of[inner]] = surface_points(heap, beneath, uv[inner])
+        nodes[node_of[inner]] = surface_points(coefficients, beneath, uv[inner])
         joined = _joined(
-            *(heap, surfaces, np.array(self.gapes), nodes, triangles, uv, owner, node_of),
+            *(coefficients, surfaces, np.array(self.gaps), nodes, triangles, uv, owner, node_of),
             *(self.stretches, self.stretch_ends),
         )
         return with_meridians(joined, np.isin(triangles, self.poles))
 
 
 def _joined(
-    heap: Any,
+    coefficients: Any,
     surfaces: Any,
-    gapes: Any,
+    gaps: Any,
     nodes: Any,
     triangles: Any,
     uv: Any,
@@ -269,7 +269,7 @@ def _joined(
     curves = np.full(len(forward), -1, np.int64)
     curves[lies] = curve[stretch[forward[lies]], 0]
     return SurfaceMesh(
-        heap=heap,
+        coefficients=coefficients,
         surfaces=surfaces,
         nodes=nodes,
         triangles=node_of[triangles],
@@ -280,5 +280,5 @@ def _joined(
         edge_faces=owner[forward // 3],
         edge_curves=curves,
         edge_spans=spans,
-        gapes=gapes,
+        gaps=gaps,
     )

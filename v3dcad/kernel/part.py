@@ -19,7 +19,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError, SettingError
-from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.section import CHORD_TOLERANCE
 from v3dcad.geometry.surface.wall_ends import exact_ends
@@ -127,7 +127,7 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
     findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
     solid = _healed(compound(solids), findings)
-    findings += _gaping(solid)
+    findings += _gap_findings(solid)
     try:
         box = true_bounds(solid)
     except KernelError as error:
@@ -162,19 +162,19 @@ def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     return mended
 
 
-def _gaping(solid: TopoDS_Shape) -> list[str]:
+def _gap_findings(solid: TopoDS_Shape) -> list[str]:
     """What to tell of edges that may stand off their faces, by the tolerance stored with them."""
     edges = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(solid, EDGE, edges)
     ids = range(1, edges.Extent() + 1)
-    gapes = np.array([BRep_Tool.Tolerance_s(TopoDS.Edge_s(edges(k))) for k in ids])
-    loose = int((gapes > GAPE).sum())
+    gaps = np.array([BRep_Tool.Tolerance_s(TopoDS.Edge_s(edges(k))) for k in ids])
+    loose = int((gaps > MIN_GAP).sum())
     if not loose:
         return []
-    worst = BRepAdaptor_Curve(TopoDS.Edge_s(edges(int(np.argmax(gapes)) + 1)))
+    worst = BRepAdaptor_Curve(TopoDS.Edge_s(edges(int(np.argmax(gaps)) + 1)))
     at = worst.Value((worst.FirstParameter() + worst.LastParameter()) / 2)
     return [
-        f"{loose} edges may stand off their faces by up to {gapes.max():.3g} mm, the worst near "
+        f"{loose} edges may stand off their faces by up to {gaps.max():.3g} mm, the worst near "
         f"({at.X():.6g}, {at.Y():.6g}, {at.Z():.6g}): contours step across such gaps, and where "
         "they cross themselves there the loops are cut off"
     ]

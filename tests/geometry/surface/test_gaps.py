@@ -15,7 +15,7 @@ import v3dcad
 from tests.kernel import shapes
 from tests.kernel.exact import breaks, closed_volume, exact_area, face_volume, integrated
 from tests.parts import part_file, ring_area
-from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.part import solid_part
 from v3dcad.kernel.section import section_solids
@@ -70,7 +70,7 @@ def test_straight_runs_lie_on_their_faces(x: float, y: float, lost: float) -> No
 
 
 def test_an_edge_that_hardly_stands_off_is_left_alone() -> None:
-    (section,) = section_solids(dented_box(GAPE / 4, GAPE / 4, GAPE / 2), np.array([5.0]))
+    (section,) = section_solids(dented_box(MIN_GAP / 4, MIN_GAP / 4, MIN_GAP / 2), np.array([5.0]))
     assert [run.curve for run in section.runs] == ["line"] * 4
     assert len(section.rings[0]) == 4
 
@@ -105,7 +105,7 @@ def test_a_real_part_that_gapes_can_be_filled() -> None:
 @pytest.mark.long
 def test_sections_enclose_the_volume_that_the_closed_faces_do() -> None:
     """GProp's volume of gaping faces is not one number: it depends on the point that its cones
-    start from. With the gapes closed by strips it is, and it is the sections'.
+    start from. With the gaps closed by strips it is, and it is the sections'.
     """
     shape = shapes.nist("ctc_02_asme1_rc")
     mesh = surface_mesh(shape)

@@ -1,4 +1,4 @@
-"""Sections where a part's faces gape: their edges stand off them, by the file's own word.
+"""Sections where a part's faces gap: their edges stand off them, by the file's own word.
 
 A file may store its edges with a tolerance far above what sections are computed to. Where a run
 reaches such an edge, its end lies off the face, and the runs on either side may meet before they
@@ -6,9 +6,9 @@ come to the edge, or turn back on themselves just before it. What is put right:
 
 * a straight run lies on its face's exact line, with a step to the edge at either end, instead of
   leaning from edge to edge all along;
-* a loop no longer than `REACH` gapes is cut off where the ring crosses itself, or turns back on
+* a loop no longer than `MAX_LOOP_GAPS` gaps is cut off where the ring crosses itself, or turns back on
   itself: there the two faces truly meet;
-* a ring that is nowhere wider than a gape is the gap itself, and is left out.
+* a ring that is nowhere wider than a gap is the gap itself, and is left out.
 
 Rings that touch no such face are left alone.
 """
@@ -29,33 +29,33 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.mesh.section import SNAP, is_thin
-from v3dcad.geometry.surface.conics import LINES
+from v3dcad.geometry.surface.conics import STRAIGHT_LINE
 from v3dcad.geometry.surface.surfaces import PLANE
 
-GAPE = 1e-3
-"""mm: a face whose edges may stand off it by more than this gapes."""
+MIN_GAP = 1e-3
+"""mm: a face whose edges may stand off it by more than this gaps."""
 
-REACH = 8
-"""How many gapes long a loop may be that is cut off: an edge that stands off by one gape lets
+MAX_LOOP_GAPS = 8
+"""How many gaps long a loop may be that is cut off: an edge that stands off by one gap lets
 the runs beside it overshoot by as much, to and fro, and more where they meet at a flat angle."""
 
 
 @compiled(INTERNAL)
 def _feet(
-    heap: ConstFloatArray, place: int, height: float, x: float, y: float, far_x: float, far_y: float
+    coefficients: ConstFloatArray, surface: int, height: float, x: float, y: float, far_x: float, far_y: float
 ) -> tuple[float, float, float, float]:
     """The points nearest to two points on the line that z = height cuts from a plane, or next to
     them from a lying cylinder: x, y, and x, y.
     """
-    a, b, rise = heap[place + 1], heap[place + 2], height - heap[place + 3]
-    e, f, g = heap[place + 10], heap[place + 11], heap[place + 12]
+    a, b, rise = coefficients[surface + 1], coefficients[surface + 2], height - coefficients[surface + 3]
+    e, f, g = coefficients[surface + 10], coefficients[surface + 11], coefficients[surface + 12]
     level = max(np.hypot(e, f), 1e-300)
-    if int(heap[place]) == PLANE:
+    if int(coefficients[surface]) == PLANE:
         across_x, across_y = e / level, f / level
         aside = -g * rise / level
     else:
         across_x, across_y = -f / level, e / level
-        aside = np.sqrt(max(heap[place + 13] ** 2 - rise * rise, 0.0))
+        aside = np.sqrt(max(coefficients[surface + 13] ** 2 - rise * rise, 0.0))
         if ((x + far_x) / 2 - a) * across_x + ((y + far_y) / 2 - b) * across_y < 0.0:
             aside = -aside
     step = aside - (x - a) * across_x - (y - b) * across_y
@@ -70,9 +70,9 @@ def _feet(
 
 @compiled(ALLOCATING)
 def _stepped(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
-    gapes: ConstFloatArray,
+    gaps: ConstFloatArray,
     ring: ConstFloatRows,
     runs: ConstIntRows,
     height: float,
@@ -91,7 +91,7 @@ def _stepped(
         for k in range(start, stop):
             path[written, 0], path[written, 1], owner[written] = ring[k, 0], ring[k, 1], 2 * run
             written += 1
-        if runs[run, 3] != LINES or gapes[face] == 0.0:
+        if runs[run, 3] != STRAIGHT_LINE or gaps[face] == 0.0:
             continue
         x, y, far_x, far_y = (
             ring[start, 0],
@@ -100,13 +100,13 @@ def _stepped(
             ring[stop % count, 1],
         )
         foot_x, foot_y, far_foot_x, far_foot_y = _feet(
-            heap, surfaces[face], height, x, y, far_x, far_y
+            coefficients, surfaces[face], height, x, y, far_x, far_y
         )
         step = np.hypot(foot_x - x, foot_y - y)
         far_step = np.hypot(far_foot_x - far_x, far_foot_y - far_y)
         ahead = (far_x - x) * (far_foot_x - foot_x) + (far_y - y) * (far_foot_y - foot_y)
         # Where a face is so flat that its line is far off the edge, the run stays as it is.
-        if max(step, far_step) > REACH * gapes[face] or ahead <= 0.0:
+        if max(step, far_step) > MAX_LOOP_GAPS * gaps[face] or ahead <= 0.0:
             continue
         if step > SNAP:
             owner[written - 1] = 2 * run + 1
@@ -232,18 +232,18 @@ def _copy_run(
 
 
 @compiled(ENTRY)
-def mended(
-    heap: ConstFloatArray,
+def repaired(
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
-    gapes: ConstFloatArray,
+    gaps: ConstFloatArray,
     points: ConstFloatRows,
     starts: ConstIntArray,
     runs: ConstIntRows,
     numbers: ConstFloatRows,
     heights: ConstFloatArray,
 ) -> tuple[FloatRows, IntArray, IntRows, FloatRows]:
-    """The rings and runs of `surface_trace.trace`, which lie at heights (r,), mended where the
-    faces gape by `gapes` (f,), mm; in the same form.
+    """The rings and runs of `surface_trace.trace`, which lie at heights (r,), repaired where the
+    faces gap by `gaps` (f,), mm; in the same form.
     """
     room = len(points) + 2 * len(runs)
     out = np.empty((room, 2))
@@ -253,16 +253,16 @@ def mended(
     written = made = run = 0
     for ring in range(len(starts) - 1):
         path = points[starts[ring] : starts[ring + 1]]
-        first_run, gape = run, 0.0
+        first_run, gap = run, 0.0
         while run < len(runs) and runs[run, 0] == ring:
-            gape = max(gape, gapes[runs[run, 4]])
+            gap = max(gap, gaps[runs[run, 4]])
             run += 1
         count, changed = len(path), False
-        if gape > 0.0:
+        if gap > 0.0:
             own_runs = runs[first_run:run]
-            stepped, owner = _stepped(heap, surfaces, gapes, path, own_runs, heights[ring])
-            whole, owner, cut = _without_loops(stepped, owner, REACH * gape)
-            if is_thin(whole, gape):
+            stepped, owner = _stepped(coefficients, surfaces, gaps, path, own_runs, heights[ring])
+            whole, owner, cut = _without_loops(stepped, owner, MAX_LOOP_GAPS * gap)
+            if is_thin(whole, gap):
                 count = 0
             elif cut or len(stepped) > count:
                 path, count, changed = whole, len(whole), True

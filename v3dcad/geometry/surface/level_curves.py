@@ -17,13 +17,13 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.mesh.section import SNAP, is_thin
-from v3dcad.geometry.surface.conics import CIRCLE, ELLIPSE, LINES, conic_at
+from v3dcad.geometry.surface.conics import CIRCLE_ARC, ELLIPSE_ARC, STRAIGHT_LINE, conic_at
 from v3dcad.geometry.surface.surfaces import surface_at
 
 CurvePoint = tuple[float, float, float, float]
 """A point of a level line on a surface: x, y, u, v."""
 
-MOST_HALVINGS = 10
+MAX_HALVINGS = 10
 """Of the stretch between two mesh edges."""
 
 
@@ -73,8 +73,8 @@ def _crossing(
 
 @compiled(INTERNAL)
 def _between(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     height: float,
     one: CurvePoint,
     other: CurvePoint,
@@ -90,7 +90,7 @@ def _between(
         return False, middle_x, middle_y, u, v
     settled = False
     for _ in range(12):
-        s = surface_at(heap, place, u, v)
+        s = surface_at(coefficients, surface, u, v)
         rise = s[0][2] - height
         along = (s[0][0] - middle_x) * chord_x + (s[0][1] - middle_y) * chord_y
         if settled:
@@ -110,8 +110,8 @@ def _between(
 
 @linked(ALLOCATING)
 def _follow(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     height: float,
     one: CurvePoint,
     other: CurvePoint,
@@ -124,15 +124,15 @@ def _follow(
     Both are x, y and parameters u, v.
     """
     depth = 0
-    ends = np.empty((MOST_HALVINGS + 2, 4))
-    halvings = np.zeros(MOST_HALVINGS + 2, np.int64)
+    ends = np.empty((MAX_HALVINGS + 2, 4))
+    halvings = np.zeros(MAX_HALVINGS + 2, np.int64)
     ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = other
     here = one
     while depth >= 0:
         there = ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3]
         halved = False
-        if halvings[depth] < MOST_HALVINGS:
-            solved, x, y, u, v = _between(heap, place, height, here, there)
+        if halvings[depth] < MAX_HALVINGS:
+            solved, x, y, u, v = _between(coefficients, surface, height, here, there)
             if solved:
                 chord_x, chord_y = there[0] - here[0], there[1] - here[1]
                 away = (x - here[0]) * chord_y - (y - here[1]) * chord_x
@@ -152,7 +152,7 @@ def _follow(
 
 @compiled(ENTRY)
 def trace(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     triangles: ConstIntRows,
     corners: ConstFloatStack,
@@ -198,18 +198,18 @@ def trace(
             stop = k + 1
             while stop < length and faces[crossed[begin + (turn + stop) % length]] == face:
                 stop += 1
-            place = surfaces[face]
+            surface = surfaces[face]
             curve, a, b, c, d, ratio = conic_at(
-                heap, place, height, points[here, 0], points[here, 1]
+                coefficients, surface, height, points[here, 0], points[here, 1]
             )
             run_start = written
-            if curve == LINES:
+            if curve == STRAIGHT_LINE:
                 last = begin + (turn + stop) % length
                 if points[here, 0] != points[last, 0] or points[here, 1] != points[last, 1]:
                     out = _with_room(out, written, 1)
                     out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
                     written += 1
-            elif curve in (CIRCLE, ELLIPSE):
+            elif curve in (CIRCLE_ARC, ELLIPSE_ARC):
                 angle = before = _direction(points[here, 0], points[here, 1], a, b, c, d, ratio)
                 swept = 0.0
                 for j in range(k + 1, stop + 1):
@@ -241,11 +241,11 @@ def trace(
                     other = begin + (turn + j + 1) % length
                     if points[one, 0] == points[other, 0] and points[one, 1] == points[other, 1]:
                         continue
-                    out = _with_room(out, written, 2**MOST_HALVINGS)
+                    out = _with_room(out, written, 2**MAX_HALVINGS)
                     mesh = triangles, corners, sides, edge_nodes
                     start = _crossing(*mesh, crossed[one], points, shares, edges, one)
                     end = _crossing(*mesh, crossed[one], points, shares, edges, other)
-                    written = _follow(heap, place, height, start, end, tolerance, out, written)
+                    written = _follow(coefficients, surface, height, start, end, tolerance, out, written)
             if written > run_start:
                 runs[made, 0] = ring
                 runs[made, 1] = run_start - base

@@ -25,7 +25,7 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh, depth, project, turning_po
 from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.model import Floats, Ints
 
-MOST_SPLITS = 64
+MAX_SPLITS_PER_EDGE = 64
 """Splits per edge that the mesh had: a bound for surfaces that ripple without end."""
 
 
@@ -35,16 +35,16 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
     `GeometryError` where a face ripples so much that this does not end.
     """
     turns = turning_points(
-        mesh.heap, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
+        mesh.coefficients, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
     )
     turning = np.flatnonzero(turns[:, 1] > 0)
     order = np.argsort(mesh.sides.ravel(), kind="stable")
     owners = (order[np.count_nonzero(mesh.sides < 0) :] // 3).reshape(-1, 2)
     room = 64 + 4 * (len(triangles) + len(turning))
-    while room <= max(MOST_SPLITS * len(mesh.edge_nodes), 64):
+    while room <= max(MAX_SPLITS_PER_EDGE * len(mesh.edge_nodes), 64):
         tables = _tables(mesh, owners, room)
         splits = _refine(
-            mesh.heap,
+            mesh.coefficients,
             mesh.surfaces,
             tables,
             len(mesh.nodes),
@@ -79,19 +79,19 @@ class _Tables(NamedTuple):
     owners: IntRows
 
 
-ROWS = (1, 2, 2, 2, 2, 3, 3, 3, 3, 3)
+ROWS_PER_SPLIT = (1, 2, 2, 2, 2, 3, 3, 3, 3, 3)
 """Rows that a split adds to each of the tables."""
 
 
 def _tables(mesh: SurfaceMesh, owners: Ints, room: int) -> _Tables:
     """The mesh's arrays with room for so many splits."""
     rows = [getattr(mesh, name) for name in _Tables._fields[:-1]] + [owners]
-    return _Tables(*(_with_room(*each, room) for each in zip(rows, ROWS, strict=True)))
+    return _Tables(*(_with_room(*each, room) for each in zip(rows, ROWS_PER_SPLIT, strict=True)))
 
 
 def _taken(mesh: SurfaceMesh, tables: _Tables, splits: int) -> SurfaceMesh:
     """The mesh with what was added by so many splits."""
-    found = zip(_Tables._fields[:-1], ROWS[:-1], strict=True)
+    found = zip(_Tables._fields[:-1], ROWS_PER_SPLIT[:-1], strict=True)
     return replace(
         mesh,
         **{
@@ -184,30 +184,30 @@ def _insert(
 
 @compiled(INTERNAL)
 def _set_node(
-    mesh: _Tables, node: int, heap: ConstFloatArray, place: int, u: float, v: float
+    mesh: _Tables, node: int, coefficients: ConstFloatArray, surface: int, u: float, v: float
 ) -> None:
-    point, _, _ = surface_at(heap, place, u, v)
+    point, _, _ = surface_at(coefficients, surface, u, v)
     mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = point
 
 
 @compiled(ALLOCATING)
 def _look(
     waiting: list[tuple[float, int, float]],
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     mesh: _Tables,
     edge: int,
 ) -> None:
     """Have an edge split if it is not monotone."""
-    place = surfaces[mesh.edge_faces[edge]]
-    share, rise = turning_point(heap, place, mesh.edge_curves[edge], mesh.edge_spans[edge])
+    surface = surfaces[mesh.edge_faces[edge]]
+    share, rise = turning_point(coefficients, surface, mesh.edge_curves[edge], mesh.edge_spans[edge])
     if rise > 0:
         heappush(waiting, (-rise, edge, share))
 
 
 @compiled(INTERNAL)
 def _cut_edge(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     mesh: _Tables,
     edge: int,
@@ -221,13 +221,13 @@ def _cut_edge(
     c, d = mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3]
     if curve >= 0:
         at = a + share * (b - a)
-        x, y, z, _, _, _ = curve_at(heap, curve, at)
+        x, y, z, _, _, _ = curve_at(coefficients, curve, at)
         mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = x, y, z
         mesh.edge_spans[edge, 1] = at
         _set_edge(mesh, rest, node, last, face, curve, at, b, 0.0, 0.0)
     else:
         u, v = a + share * (c - a), b + share * (d - b)
-        _set_node(mesh, node, heap, surfaces[face], u, v)
+        _set_node(mesh, node, coefficients, surfaces[face], u, v)
         mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = u, v
         _set_edge(mesh, rest, node, last, face, curve, u, v, c, d)
     mesh.edge_nodes[edge, 1] = node
@@ -235,7 +235,7 @@ def _cut_edge(
 
 @compiled(INTERNAL)
 def _bisect(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     mesh: _Tables,
     triangle: int,
@@ -264,7 +264,7 @@ def _bisect(
     portion = share if forward else 1 - share
     u, v = a_u + portion * (b_u - a_u), a_v + portion * (b_v - a_v)
     if mesh.edge_curves[edge] >= 0:
-        u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
+        u, v = project(coefficients, surfaces[face], mesh.nodes[node], u, v)
     _set_edge(mesh, middle, node, c, face, -1, u, v, c_u, c_v)
     near, far = (edge, rest) if forward else (rest, edge)
     corners = (a, a_u, a_v, near), (node, u, v, middle), (c, c_u, c_v, side_ca)
@@ -278,7 +278,7 @@ def _bisect(
 
 @compiled(ENTRY)
 def _refine(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     mesh: _Tables,
     node: int,
@@ -313,10 +313,10 @@ def _refine(
         for piece in range(triangle_count - known, triangle_count - known + 2):
             seed_of[piece] = seeds[seed]
         _insert(mesh, parent, u, v, node, triangle_count, edge_count)
-        _set_node(mesh, node, heap, surfaces[mesh.faces[parent]], u, v)
+        _set_node(mesh, node, coefficients, surfaces[mesh.faces[parent]], u, v)
         node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
     for edge in range(first_edge, edge_count):
-        _look(waiting, heap, surfaces, mesh, edge)
+        _look(waiting, coefficients, surfaces, mesh, edge)
     for k in range(len(turning)):
         heappush(waiting, (-turns[k, 1], turning[k], turns[k, 0]))
     while len(waiting):
@@ -325,17 +325,17 @@ def _refine(
         # The highest turn first: a crest is traced from edge to edge before what lies beside it.
         _, edge, share = heappop(waiting)
         first, rest = mesh.edge_nodes[edge, 0], edge_count
-        _cut_edge(heap, surfaces, mesh, edge, share, node, rest)
+        _cut_edge(coefficients, surfaces, mesh, edge, share, node, rest)
         beside = (mesh.owners[edge, 0], mesh.owners[edge, 1])
         for k in range(2):
             beyond, middle = triangle_count + k, rest + 1 + k
             forward = _bisect(
-                heap, surfaces, mesh, beside[k], edge, rest, node, first, share, beyond, middle
+                coefficients, surfaces, mesh, beside[k], edge, rest, node, first, share, beyond, middle
             )
             mesh.owners[edge, k] = beside[k] if forward else beyond
             mesh.owners[rest, k] = beyond if forward else beside[k]
-        _look(waiting, heap, surfaces, mesh, edge)
+        _look(waiting, coefficients, surfaces, mesh, edge)
         node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
         for new in range(rest, edge_count):
-            _look(waiting, heap, surfaces, mesh, new)
+            _look(waiting, coefficients, surfaces, mesh, new)
     return node - first_node

@@ -30,9 +30,9 @@ from v3dcad.geometry.mesh.section import (
     cross_planes,
     shares,
 )
-from v3dcad.geometry.surface.conics import POINTS, conic_at
+from v3dcad.geometry.surface.conics import NO_CONIC, conic_at
 from v3dcad.geometry.surface.curves import LINE
-from v3dcad.geometry.surface.gaps import mended
+from v3dcad.geometry.surface.gaps import repaired
 from v3dcad.geometry.surface.level_curves import trace
 from v3dcad.geometry.surface.mesh import SurfaceMesh, along_edge
 from v3dcad.model import Floats, Ints, Mesh, Run, Section
@@ -78,7 +78,7 @@ def _cut(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> Iterator
     for count, crossings in cross_planes(coarse, edges, planes_at):
         planes = np.repeat(crossings.planes, np.diff(crossings.starts))
         points, shares = _roots(
-            mesh.heap,
+            mesh.coefficients,
             mesh.surfaces,
             mesh.nodes,
             mesh.edge_nodes,
@@ -91,7 +91,7 @@ def _cut(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> Iterator
         )
         ring_heights = planes_at[first + crossings.planes]
         traced = trace(
-            mesh.heap,
+            mesh.coefficients,
             mesh.surfaces,
             mesh.triangles,
             mesh.corners,
@@ -107,8 +107,8 @@ def _cut(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> Iterator
             ring_heights,
             chord_tolerance,
         )
-        if mesh.gapes.any():
-            traced = mended(mesh.heap, mesh.surfaces, mesh.gapes, *traced, ring_heights)
+        if mesh.gaps.any():
+            traced = repaired(mesh.coefficients, mesh.surfaces, mesh.gaps, *traced, ring_heights)
         yield from _sections(heights[first : first + count], crossings.planes, *traced)
         first += count
 
@@ -147,7 +147,7 @@ def _sections(
 
 @compiled(ENTRY)
 def _roots(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     nodes: ConstFloatRows,
     edge_nodes: ConstIntRows,
@@ -163,7 +163,7 @@ def _roots(
     shares = np.empty(len(edges))
     for index in range(len(edges)):
         edge, height = edges[index], heights[index]
-        place, curve = surfaces[edge_faces[edge]], edge_curves[edge]
+        surface, curve = surfaces[edge_faces[edge]], edge_curves[edge]
         first_z = nodes[edge_nodes[edge, 0], 2] - height
         last_z = nodes[edge_nodes[edge, 1], 2] - height
         if abs(first_z) < SNAP:
@@ -174,15 +174,15 @@ def _roots(
             continue
         share = first_z / (first_z - last_z)
         if curve >= 0:
-            done = heap[curve] == LINE
+            done = coefficients[curve] == LINE
         else:
             # Inside a face that is cut in a known curve, points only tell which way it goes.
             x, y = points[index, 0], points[index, 1]
-            done = conic_at(heap, place, height, x, y)[0] != POINTS
+            done = conic_at(coefficients, surface, height, x, y)[0] != NO_CONIC
         if not done:
             low, high = 0.0, 1.0
             for _ in range(60):
-                x, y, z, slope = along_edge(heap, place, curve, edge_spans[edge], share)
+                x, y, z, slope = along_edge(coefficients, surface, curve, edge_spans[edge], share)
                 points[index, 0], points[index, 1] = x, y
                 gap = z - height
                 if gap == 0.0:

@@ -13,10 +13,10 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh, project
 from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.model import Floats, Layer, Run, Section
 
-STARTS = 6
+MAX_STARTS = 6
 """Places that Newton's method is started from."""
 
-REACH = 0.1
+MAX_END_SHIFT = 0.1
 """mm; an end that would have to go farther stays: its wall runs along the surface."""
 
 
@@ -44,7 +44,7 @@ def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
         ways = points[ids] - diagram.vertices[[behind[end] for end in ids]]
         corners = mesh.faces == face
         points[ids] = _on_surface(
-            mesh.heap,
+            mesh.coefficients,
             mesh.surfaces[face],
             mesh.nodes[mesh.triangles[corners]].reshape(-1, 3),
             mesh.corners[corners].reshape(-1, 2),
@@ -78,8 +78,8 @@ def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, 
 
 @compiled(INTERNAL)
 def _solved(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     height: float,
     end: ConstFloatArray,
     way: ConstFloatArray,
@@ -90,7 +90,7 @@ def _solved(
     length = np.hypot(way[0], way[1])
     across_x, across_y = -way[1] / length, way[0] / length
     for _ in range(20):
-        s = surface_at(heap, place, u, v)
+        s = surface_at(coefficients, surface, u, v)
         rise = s[0][2] - height
         aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
         if max(abs(rise), abs(aside)) < 1e-12:
@@ -102,7 +102,7 @@ def _solved(
             break
         u -= (rise * v_aside - s[2][2] * aside) / determinant
         v -= (s[1][2] * aside - u_aside * rise) / determinant
-    s = surface_at(heap, place, u, v)
+    s = surface_at(coefficients, surface, u, v)
     aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
     settled = abs(s[0][2] - height) < 1e-9 and abs(aside) < 1e-9
     return u, v, s[0][0], s[0][1], settled
@@ -110,8 +110,8 @@ def _solved(
 
 @compiled(ENTRY)
 def _on_surface(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     nodes: ConstFloatRows,
     corners: ConstFloatRows,
     height: float,
@@ -130,30 +130,30 @@ def _on_surface(
         low_u, high_u = min(low_u, corners[corner, 0]), max(high_u, corners[corner, 0])
         low_v, high_v = min(low_v, corners[corner, 1]), max(high_v, corners[corner, 1])
     slack_u, slack_v = 1e-9 * (high_u - low_u), 1e-9 * (high_v - low_v)
-    gaps = np.empty(len(nodes))
+    distances = np.empty(len(nodes))
     point = np.empty(3)
     for k in range(len(ends)):
         point[0], point[1], point[2] = ends[k, 0], ends[k, 1], height
         for corner in range(len(nodes)):
-            gaps[corner] = 0.0
+            distances[corner] = 0.0
             for axis in range(3):
-                gaps[corner] += (nodes[corner, axis] - point[axis]) ** 2
-        for _ in range(STARTS):
+                distances[corner] += (nodes[corner, axis] - point[axis]) ** 2
+        for _ in range(MAX_STARTS):
             nearest = 0
             for corner in range(1, len(nodes)):
-                if gaps[corner] < gaps[nearest]:
+                if distances[corner] < distances[nearest]:
                     nearest = corner
             start_u, start_v = corners[nearest, 0], corners[nearest, 1]
-            u, v = project(heap, place, point, start_u, start_v)
-            u, v, x, y, settled = _solved(heap, place, height, ends[k], ways[k], u, v)
+            u, v = project(coefficients, surface, point, start_u, start_v)
+            u, v, x, y, settled = _solved(coefficients, surface, height, ends[k], ways[k], u, v)
             on_face = (
                 low_u - slack_u <= u <= high_u + slack_u
                 and low_v - slack_v <= v <= high_v + slack_v
             )
-            if settled and on_face and np.hypot(x - ends[k, 0], y - ends[k, 1]) < REACH:
+            if settled and on_face and np.hypot(x - ends[k, 0], y - ends[k, 1]) < MAX_END_SHIFT:
                 moved[k, 0], moved[k, 1] = x, y
                 break
             for corner in range(len(nodes)):  # not from here again
                 if corners[corner, 0] == start_u and corners[corner, 1] == start_v:
-                    gaps[corner] = np.inf
+                    distances[corner] = np.inf
     return moved
