@@ -60,15 +60,15 @@ class MeshEdges(Value):
 class Crossings(NamedTuple):
     """Where planes cross a mesh: rings of points, each on one mesh edge, end to end."""
 
-    points: Floats
+    points: FloatRows
     """(p, 2) mm"""
-    edges: Ints
+    edges: IntArray
     """(p,) the mesh edge on which the point lies"""
-    triangles: Ints
+    triangles: IntArray
     """(p,) the triangle that is crossed from this point to the next"""
-    starts: Ints
+    starts: IntArray
     """(r + 1,) where each ring begins"""
-    planes: Ints
+    planes: IntArray
     """(r,) the plane of each ring, ascending"""
 
 

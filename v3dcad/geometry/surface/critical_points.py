@@ -41,7 +41,11 @@ def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
 @compiled(INTERNAL)
 def _of_quadric(coefficients: ConstFloatArray, surface: int, points: FloatRows) -> int:
     """Where the normal of a sphere or torus is vertical: to `points` (4, 2); how many."""
-    up_x, up_y, up_z = coefficients[surface + 6], coefficients[surface + 9], coefficients[surface + 12]
+    up_x, up_y, up_z = (
+        coefficients[surface + 6],
+        coefficients[surface + 9],
+        coefficients[surface + 12],
+    )
     level = np.hypot(up_x, up_y)
     if level <= 1e-9:
         return 0
@@ -111,7 +115,10 @@ def _of_triangle(
 
 @compiled(ENTRY)
 def _search(
-    coefficients: ConstFloatArray, surfaces: ConstIntArray, corners: ConstFloatStack, first: ConstIntArray
+    coefficients: ConstFloatArray,
+    surfaces: ConstIntArray,
+    corners: ConstFloatStack,
+    first: ConstIntArray,
 ) -> tuple[IntArray, FloatRows]:
     triangles = np.empty(MAX_POINTS_EACH * (len(surfaces) + len(corners)), np.int64)
     found = np.empty((len(triangles), 2))

@@ -36,7 +36,12 @@ def _spline_at(
     degree, count = int(coefficients[curve + 1]), int(coefficients[curve + 2])
     knots = curve + 4
     poles = knots + count
-    t = wrapped(t, coefficients[knots + degree], coefficients[poles - 1 - degree], coefficients[curve + 3] > 0)
+    t = wrapped(
+        t,
+        coefficients[knots + degree],
+        coefficients[poles - 1 - degree],
+        coefficients[curve + 3] > 0,
+    )
     span = span_of(coefficients, knots, count, degree, t)
     values, slopes = stack_array(), stack_array()
     basis(coefficients, knots, span, degree, t, values, slopes)
@@ -83,9 +88,13 @@ def curve_at(
 
 
 @compiled(ENTRY)
-def curve_points(coefficients: ConstFloatArray, curves: ConstIntArray, parameters: FloatArray) -> FloatRows:
+def curve_points(
+    coefficients: ConstFloatArray, curves: ConstIntArray, parameters: FloatArray
+) -> FloatRows:
     """Points (k, 3), mm, of curves (k,) at parameters (k,)."""
     points = np.empty((len(curves), 3))
     for k in range(len(curves)):
-        points[k, 0], points[k, 1], points[k, 2], _, _, _ = curve_at(coefficients, curves[k], parameters[k])
+        points[k, 0], points[k, 1], points[k, 2], _, _, _ = curve_at(
+            coefficients, curves[k], parameters[k]
+        )
     return points

@@ -15,13 +15,17 @@ and nothing is missed however thin.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from v3dcad.geometry.compiled.arrays import (
     ConstFloatArray,
     ConstFloatRows,
+    ConstFloatStack,
     ConstIntArray,
+    ConstIntRows,
     FloatRows,
 )
 from v3dcad.geometry.compiled.linked import linked
@@ -61,8 +65,36 @@ class SurfaceMesh(Value):
     edge_spans: Floats
     """(e, 4) the curve's parameters at both nodes, or u, v at the first and u, v at the second"""
     gaps: Floats
-    """(f,) mm: how far the edges of each face may stand off it, where that is worth mending
-    (`gaps`), else 0"""
+    """(f,) mm: how far the edges of each face may lie off it, where that is worth repairing
+    (see `gaps`), else 0"""
+
+    def arrays(self) -> MeshArrays:
+        """The arrays as compiled functions take them."""
+        return MeshArrays(*(_constant(getattr(self, name)) for name in MeshArrays._fields))
+
+
+class MeshArrays(NamedTuple):
+    """The arrays of a `SurfaceMesh`, which compiled functions only read."""
+
+    coefficients: ConstFloatArray
+    surfaces: ConstIntArray
+    nodes: ConstFloatRows
+    triangles: ConstIntRows
+    corners: ConstFloatStack
+    faces: ConstIntArray
+    sides: ConstIntRows
+    edge_nodes: ConstIntRows
+    edge_faces: ConstIntArray
+    edge_curves: ConstIntArray
+    edge_spans: ConstFloatRows
+    gaps: ConstFloatArray
+
+
+def _constant(array: NDArray[Any]) -> NDArray[Any]:
+    """A contiguous, read-only view of an array; numba converts no array inside of a tuple."""
+    view = np.ascontiguousarray(array).view()
+    view.flags.writeable = False
+    return view
 
 
 @compiled(INTERNAL)

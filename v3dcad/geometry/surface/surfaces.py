@@ -49,7 +49,9 @@ Derivatives = tuple[Vector, Vector, Vector]
 
 
 @compiled(INTERNAL)
-def _profile_at(coefficients: ConstFloatArray, surface: int, v: float) -> tuple[float, float, float, float]:
+def _profile_at(
+    coefficients: ConstFloatArray, surface: int, v: float
+) -> tuple[float, float, float, float]:
     """The line or circle that makes a cylinder, cone, sphere or torus when turned about z: its
     reach from z, its rise along z, and their slopes.
     """
@@ -68,15 +70,27 @@ def _profile_at(coefficients: ConstFloatArray, surface: int, v: float) -> tuple[
 
 
 @compiled(INTERNAL)
-def _spline_surface_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Derivatives:
+def _spline_surface_at(
+    coefficients: ConstFloatArray, surface: int, u: float, v: float
+) -> Derivatives:
     u_degree, u_count = int(coefficients[surface + 1]), int(coefficients[surface + 2])
     v_degree, v_count = int(coefficients[surface + 4]), int(coefficients[surface + 5])
     u_knots = surface + 7
     v_knots = u_knots + u_count
     poles = v_knots + v_count
     columns = v_count - v_degree - 1
-    u = wrapped(u, coefficients[u_knots + u_degree], coefficients[v_knots - 1 - u_degree], coefficients[surface + 3] > 0)
-    v = wrapped(v, coefficients[v_knots + v_degree], coefficients[poles - 1 - v_degree], coefficients[surface + 6] > 0)
+    u = wrapped(
+        u,
+        coefficients[u_knots + u_degree],
+        coefficients[v_knots - 1 - u_degree],
+        coefficients[surface + 3] > 0,
+    )
+    v = wrapped(
+        v,
+        coefficients[v_knots + v_degree],
+        coefficients[poles - 1 - v_degree],
+        coefficients[surface + 6] > 0,
+    )
     u_span = span_of(coefficients, u_knots, u_count, u_degree, u)
     v_span = span_of(coefficients, v_knots, v_count, v_degree, v)
     u_values, u_slopes = stack_array(), stack_array()
@@ -91,7 +105,12 @@ def _spline_surface_at(coefficients: ConstFloatArray, surface: int, u: float, v:
             u_slope = u_slopes[i] * v_values[j]
             v_slope = u_values[i] * v_slopes[j]
             pole = row + 4 * j
-            a, b, c, weight = coefficients[pole], coefficients[pole + 1], coefficients[pole + 2], coefficients[pole + 3]
+            a, b, c, weight = (
+                coefficients[pole],
+                coefficients[pole + 1],
+                coefficients[pole + 2],
+                coefficients[pole + 3],
+            )
             x, y, z, w = x + value * a, y + value * b, z + value * c, w + value * weight
             u_x, u_y, u_z = u_x + u_slope * a, u_y + u_slope * b, u_z + u_slope * c
             v_x, v_y, v_z = v_x + v_slope * a, v_y + v_slope * b, v_z + v_slope * c
@@ -176,8 +195,14 @@ def _difference(p: Vector, q: Vector, step: float) -> Vector:
 def _offset_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Derivatives:
     """The point is exact; the tangents, which only steer Newton steps, are differences."""
     step = 1e-6
-    right, left = _offset_point(coefficients, surface, u + step, v), _offset_point(coefficients, surface, u - step, v)
-    above, below = _offset_point(coefficients, surface, u, v + step), _offset_point(coefficients, surface, u, v - step)
+    right, left = (
+        _offset_point(coefficients, surface, u + step, v),
+        _offset_point(coefficients, surface, u - step, v),
+    )
+    above, below = (
+        _offset_point(coefficients, surface, u, v + step),
+        _offset_point(coefficients, surface, u, v - step),
+    )
     return (
         _offset_point(coefficients, surface, u, v),
         _difference(right, left, 2 * step),
