@@ -26,7 +26,7 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-NOTHING, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(7)
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(7)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 
@@ -100,8 +100,8 @@ class Placement(Value):
         return self.is_shift() and not self.translation.any()
 
 
-class Run(NamedTuple):
-    """A stretch of a ring that lies on one face: points start … stop of ring `ring`.
+class CurveRun(NamedTuple):
+    """A stretch of a ring on one curve of one face: points start … stop of ring `ring`.
 
     `curve` is "line", "circle", "ellipse" or "points"; `parameters` describe the exact curve
     (circle: centre x, y, radius; ellipse: centre x, y, major axis vector x, y, minor/major
@@ -124,7 +124,7 @@ class Section(Value):
     """mm above the bed"""
     rings: tuple[Floats, ...]
     """each (k, 2) mm; the material lies on the left of every ring"""
-    runs: tuple[Run, ...] = ()
+    runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
 
 
@@ -273,7 +273,7 @@ class Toolpath(Value):
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
     """(p,) CELLS, PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a way already
-    extruded, NOTHING elsewhere"""
+    extruded, NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 

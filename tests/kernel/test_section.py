@@ -120,7 +120,7 @@ def test_nist_volumes(name: str):
         ),
         8,
     )
-    # What holds of CTC-02, whose faces gape, is in test_gapes.py.
+    # What holds of CTC-02, whose faces have gaps, is in test_gaps.py.
     assert found == pytest.approx(volume(shape), rel=1e-6)
 
 

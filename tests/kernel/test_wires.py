@@ -17,7 +17,7 @@ from one_diagram import GRID, power_diagram
 
 from v3dcad.geometry.surface.contour_curves import contours
 from v3dcad.kernel.wires import layer_trails, layer_wires
-from v3dcad.model import Floats, Layer, Placement, Run, Section, SiteState
+from v3dcad.model import CurveRun, Floats, Layer, Placement, Section, SiteState
 
 PLACEMENT = Placement(np.eye(3), np.array([3.0, -7.0, 11.0]))
 NONE = np.empty((0, 2), np.int64)
@@ -45,8 +45,11 @@ def sites_in(radius: float, count: int = 25) -> Floats:
 def washer() -> Section:
     """A disc of radius 10 with a hole of radius 4, each ring in two runs of one circle."""
     outer, hole = around(96, 10, 10), around(48, 4, 4, way=-1)
-    runs = [Run(0, 0, 40, "circle", 0, (0.0, 0.0, 10.0)), Run(0, 40, 96, "circle", 1, (0, 0, 10.0))]
-    runs += [Run(1, 0, 48, "circle", 2, (0.0, 0.0, 4.0))]
+    runs = [
+        CurveRun(0, 0, 40, "circle", 0, (0.0, 0.0, 10.0)),
+        CurveRun(0, 40, 96, "circle", 1, (0, 0, 10.0)),
+    ]
+    runs += [CurveRun(1, 0, 48, "circle", 2, (0.0, 0.0, 4.0))]
     return Section(2.0, (outer, hole), tuple(runs))
 
 
@@ -95,7 +98,7 @@ def test_an_ellipse_and_a_spline() -> None:
     exact = length_of(layer_wires(layer_of(Section(1.0, (ring,), ()), np.zeros((1, 2))), PLACEMENT))
     lengths = {}
     for curve, known in (("ellipse", parameters), ("points", ())):
-        section = Section(1.0, (ring,), (Run(0, 0, 300, curve, 0, known),))
+        section = Section(1.0, (ring,), (CurveRun(0, 0, 300, curve, 0, known),))
         layer = layer_of(section, sites_in(9, 12))
         shape = layer_wires(layer, PLACEMENT)
         assert is_valid(shape)
@@ -110,7 +113,7 @@ def test_an_ellipse_and_a_spline() -> None:
 
 def test_a_circle_no_wall_ends_on_is_one_edge() -> None:
     section = replace(washer(), rings=(around(96, 10, 10),), runs=washer().runs[:1])
-    section = replace(section, runs=(Run(0, 0, 96, "circle", 0, (0.0, 0.0, 10.0)),))
+    section = replace(section, runs=(CurveRun(0, 0, 96, "circle", 0, (0.0, 0.0, 10.0)),))
     shape = layer_wires(layer_of(section, np.zeros((1, 2))), PLACEMENT)
     assert is_valid(shape)
     assert len(edges_of(shape)) == 1

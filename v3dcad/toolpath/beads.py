@@ -12,7 +12,7 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     EXTRUDE,
-    NOTHING,
+    NO_FEATURE,
     RETRACED,
     RETRACT,
     TRAVEL,
@@ -170,7 +170,7 @@ def _moves(points: Sequence[tuple[float, ...]], kind: int, speed: float) -> Step
         np.full(count, kind, dtype=np.int8),
         np.zeros(count),
         np.full(count, speed),
-        np.full(count, NOTHING, dtype=np.int8),
+        np.full(count, NO_FEATURE, dtype=np.int8),
         np.full((count, 2), np.nan),
     )
 

@@ -88,11 +88,11 @@ def test_travels_alone_have_no_bounds(read) -> None:
     [
         ("", "no moves"),
         ("M104 S200\n; nothing\n", "no moves"),
-        ("G1 X1\nG1 X1.2.3\n", "line 2: '.3' is no word of G-code"),
-        ("G1 Xone\n", "line 1: 'XONE' is no word"),
+        ("G1 X1\nG1 X1.2.3\n", "line 2: '.3' is not a word of G-code"),
+        ("G1 Xone\n", "line 1: 'XONE' is not a word"),
         ("G1 X" + "9" * 400 + "\n", "line 1: a number is too large"),
-        ("G1 X1\nG1\0X2\n", "line 2: this is no G-code"),
-        ("G1 X1 " + " " * 5000 + "\n", "line 1: this is no G-code"),
+        ("G1 X1\nG1\0X2\n", "line 2: this is not G-code"),
+        ("G1 X1 " + " " * 5000 + "\n", "line 1: this is not G-code"),
     ],
 )
 def test_what_is_no_gcode(read, text: str, message: str) -> None:

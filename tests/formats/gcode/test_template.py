@@ -57,9 +57,9 @@ def test_relative_extrusion_and_retractions_at_the_end(read) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("G28\nSTART\nG1 X1 E1\n", r"line 2: there is no line END"),
-        ("G28\nG1 X1 E1\nEND\n", r"line 3: there is no line START"),
-        ("END\nG28\nSTART\n", r"line 1: END stands before START \(line 3\)"),
+        ("G28\nSTART\nG1 X1 E1\n", r"line 2: a line END is missing"),
+        ("G28\nG1 X1 E1\nEND\n", r"line 3: a line START is missing"),
+        ("END\nG28\nSTART\n", r"line 1: END comes before START \(line 3\)"),
         ("G28\nM84\n", "neither START and END markers nor a move that extrudes"),
         ("", "neither START"),
         ("G28\n; größer\n".encode(), "line 2: this is not plain ASCII"),

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from simulated_printer import Printer
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode.blocks import spoken
+from v3dcad.formats.gcode.blocks import duration_text
 from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
 from v3dcad.formats.gcode.reader import read_gcode
 from v3dcad.formats.gcode.writer import Totals, check_fits, write_gcode
@@ -193,7 +193,7 @@ def test_thumbnail_is_the_png() -> None:
     body = "".join(line[2:] for line in found[2].splitlines())
     assert len(body) == int(found[1])
     assert base64.b64decode(body) == png
-    with pytest.raises(SettingError, match="no PNG"):
+    with pytest.raises(SettingError, match="not a PNG"):
         write_gcode(io.StringIO(), [], PrintSettings(), thumbnail=b"GIF89a")
 
 
@@ -206,7 +206,7 @@ def test_placeholders_are_filled_in() -> None:
 def test_unknown_placeholder_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = PrintSettings(end_gcode="M104 S{temperature}")
-    with pytest.raises(SettingError, match=r"--end-gcode: nothing is known of \{temperature\}"):
+    with pytest.raises(SettingError, match=r"--end-gcode: \{temperature\} is not a known"):
         write_gcode(stream, trace(stack(1), options), options)
     assert stream.getvalue() == ""
 
@@ -350,7 +350,7 @@ def test_lines_say_their_numbers(rows: list[tuple[int | None, ...]]) -> None:
     ("seconds", "words"), [(5.4, "5s"), (65, "1m 5s"), (3600, "1h 0m 0s"), (90061, "1d 1h 1m 1s")]
 )
 def test_durations(seconds: float, words: str) -> None:
-    assert spoken(seconds) == words
+    assert duration_text(seconds) == words
 
 
 @pytest.mark.parametrize("route", ["least-retrace", "trails"])

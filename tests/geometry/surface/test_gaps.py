@@ -1,4 +1,4 @@
-"""Parts whose edges stand off their faces: sections that can be filled, and what they enclose."""
+"""Parts whose edges lie off their faces: sections that can be filled, and what they enclose."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_straight_runs_lie_on_their_faces(x: float, y: float, lost: float) -> No
     (section,) = section_solids(shape, np.array([5.0]))
     (ring,) = section.rings
     assert shapely.LinearRing(ring).is_simple
-    # To second order in the gape; leaning from edge to edge would lose (4 y + 6 x) / 2.
+    # To second order in the gap; leaning from edge to edge would lose (4 y + 6 x) / 2.
     assert ring_area(ring) == pytest.approx(24 - lost, abs=1e-12 + abs(x * y))
     at = 0
     for run in section.runs:
@@ -69,24 +69,24 @@ def test_straight_runs_lie_on_their_faces(x: float, y: float, lost: float) -> No
     assert len({run.face for run in long}) == 4
 
 
-def test_an_edge_that_hardly_stands_off_is_left_alone() -> None:
+def test_an_edge_that_hardly_lies_off_its_face_changes_nothing() -> None:
     (section,) = section_solids(dented_box(MIN_GAP / 4, MIN_GAP / 4, MIN_GAP / 2), np.array([5.0]))
     assert [run.curve for run in section.runs] == ["line"] * 4
     assert len(section.rings[0]) == 4
 
 
-def test_gapes_are_told_once_for_the_part() -> None:
+def test_gaps_are_reported_once_for_the_part() -> None:
     part = solid_part(dented_box(0.05, 0.03, 0.06), "a", "a")
-    (told,) = part.findings
-    assert told.startswith(
-        "1 edges may stand off their faces by up to 0.06 mm, the worst near (0.0"
+    (finding,) = part.findings
+    assert finding.startswith(
+        "1 edges may lie off their faces by up to 0.06 mm, the worst near (0.0"
     )
     assert solid_part(shapes.box((0, 0, 0), (1, 1, 1)), "a", "a").findings == ()
 
 
-def test_a_real_part_that_gapes_can_be_filled() -> None:
+def test_a_real_part_with_gaps_can_be_filled() -> None:
     part = v3dcad.place_on_bed(part_file(CTC_02))
-    assert any("stand off their faces by up to 0.108 mm" in told for told in part.findings)
+    assert any("lie off their faces by up to 0.108 mm" in finding for finding in part.findings)
     heights = part.bounds[1, 2] * (np.arange(100) + 0.5) / 100
     for section in part.sections(np.append(30.0, heights[np.argsort(heights) > 7])):
         rings = shapely.multilinestrings([shapely.linearrings(ring) for ring in section.rings])
@@ -104,8 +104,8 @@ def test_a_real_part_that_gapes_can_be_filled() -> None:
 
 @pytest.mark.long
 def test_sections_enclose_the_volume_that_the_closed_faces_do() -> None:
-    """GProp's volume of gaping faces is not one number: it depends on the point that its cones
-    start from. With the gaps closed by strips it is, and it is the sections'.
+    """Where faces have gaps GProp's volume depends on the point that its cones start from. With the
+    gaps closed by strips it does not, and it is the sections'.
     """
     shape = shapes.nist("ctc_02_asme1_rc")
     mesh = surface_mesh(shape)

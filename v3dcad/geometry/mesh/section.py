@@ -8,7 +8,7 @@ any tolerance.
 One rule decides about nodes that lie in a plane: they are above it. A section is thus the limit
 from below. At the mesh's lowest height, where nothing is below, they are beneath it: the limit
 from above. Nodes closer than `SNAP` to a plane lie in it. An edge in the plane that is a crest
-would be passed to and fro: both ways are left out.
+would be passed twice, there and back: both passes are left out.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ from v3dcad.model import Floats, Ints, Mesh, Section, Value
 SNAP = 1e-9
 """mm: a node this close to a plane lies in it; a ring this thin has no area."""
 
-BASE = 1e-6
-"""mm: a plane this close to a part's lowest height is at its base, whose height the placing of
-the part knows no better."""
+BASE_TOLERANCE = 1e-6
+"""mm: a plane this close to a part's lowest height is at its base; the placement of the part is no
+more exact."""
 
-SHARE = 64
-"""Planes given to an executor at a time."""
+PLANES_PER_TASK = 64
+"""Planes in one task of an executor."""
 
-BATCH = 4_000_000
-"""Crossings held at a time: bounds the memory of a tall part with many planes."""
+CROSSINGS_PER_BATCH = 4_000_000
+"""Crossings computed at a time: limits the memory for a tall part with many planes."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -76,14 +76,14 @@ def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) 
     """Sections of a closed mesh at ascending heights (k,), mm.
 
     Each is the limit from below, at the mesh's lowest height from above. Duplicate points,
-    crests passed to and fro and rings without area are dropped. With an executor several planes
-    are computed at a time; the results are the same. `GeometryError` where the mesh is open or
-    heights do not ascend.
+    crests passed there and back, and rings without area are dropped. With an executor several
+    planes are computed at a time; the results are the same. `GeometryError` where the mesh is open
+    or heights do not ascend.
     """
     if executor is not None:
         check_heights(heights)
-        waiting = [executor.submit(section_mesh, mesh, share) for share in shares(heights)]
-        return [section for share in waiting for section in share.result()]
+        waiting = [executor.submit(section_mesh, mesh, task) for task in tasks(heights)]
+        return [section for future in waiting for section in future.result()]
     sections = []
     edges = mesh_edges(mesh.triangles)
     first = 0
@@ -125,8 +125,8 @@ def mesh_edges(triangles: Ints) -> MeshEdges:
 def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]:
     """Pair sides (s,) of equal key that are passed one way with those passed the other way.
 
-    Returns the indices (e,) of the sides passed forward, those of their partners, and how many
-    sides have none.
+    Returns the indices (e,) of the sides passed forward, those of their partners, and the number
+    of sides without a partner.
     """
     way = key * 2 + backward
     order = np.argsort(way)
@@ -166,7 +166,10 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     before = np.concatenate([[0], np.cumsum(total[:-1])])
     first = 0
     while first < planes:
-        stop = max(first + 1, int(np.searchsorted(before, before[first] + BATCH, side="right")) - 1)
+        stop = max(
+            first + 1,
+            int(np.searchsorted(before, before[first] + CROSSINGS_PER_BATCH, side="right")) - 1,
+        )
         yield (
             stop - first,
             Crossings(
@@ -187,9 +190,9 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
 
 
 def at_base(heights: Floats, nodes: Floats) -> Floats:
-    """The heights (k,), those within `BASE` of the lowest node (n, 3) put exactly there."""
+    """The heights (k,), those within `BASE_TOLERANCE` of the lowest node (n, 3) moved to it."""
     lowest = nodes[:, 2].min(initial=np.inf)
-    return np.where(np.abs(heights - lowest) < BASE, lowest, heights)
+    return np.where(np.abs(heights - lowest) < BASE_TOLERANCE, lowest, heights)
 
 
 def check_heights(heights: Floats) -> None:
@@ -198,9 +201,9 @@ def check_heights(heights: Floats) -> None:
         raise GeometryError("section heights: give finite heights in ascending order")
 
 
-def shares(heights: Floats) -> list[Floats]:
-    """The heights (k,) in the shares that an executor is given."""
-    return np.split(heights, np.arange(SHARE, len(heights), SHARE))
+def tasks(heights: Floats) -> list[Floats]:
+    """The heights (k,) divided into the tasks that an executor is given."""
+    return np.split(heights, np.arange(PLANES_PER_TASK, len(heights), PLANES_PER_TASK))
 
 
 def plane_levels(heights: Floats, lowest: float) -> Floats:

@@ -1,4 +1,4 @@
-"""Poles: points of a face in which one of its parameters does not matter.
+"""Poles: points of a face where one of its parameters has no effect.
 
 A triangulation gives a pole any value of that parameter, so that its mesh edges would wind
 around the pole. Here they become meridians: an edge that ends in the pole keeps, at the pole, the

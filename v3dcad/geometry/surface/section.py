@@ -1,4 +1,4 @@
-"""Sections of a part's true surfaces: the mesh tells the topology, exact roots the geometry.
+"""Sections of a part's true surfaces: topology from the mesh, geometry from exact roots.
 
 A plane crosses a mesh edge once (see `mesh`): the crossing is the root of the height
 along the edge's true curve, bracketed by its nodes. Between two crossings on one face the
@@ -26,14 +26,14 @@ from v3dcad.geometry.mesh.section import (
     at_base,
     check_heights,
     cross_planes,
-    shares,
+    tasks,
 )
 from v3dcad.geometry.surface.conics import NO_CONIC, conic_at
 from v3dcad.geometry.surface.curves import LINE
 from v3dcad.geometry.surface.gaps import repaired
 from v3dcad.geometry.surface.level_curves import CurveRings, trace
 from v3dcad.geometry.surface.mesh import MeshArrays, SurfaceMesh, along_edge
-from v3dcad.model import Floats, Ints, Mesh, Run, Section
+from v3dcad.model import CurveRun, Floats, Ints, Mesh, Section
 from v3dcad.settings import SectionSettings
 
 CHORD_TOLERANCE = SectionSettings().chord_tolerance
@@ -60,8 +60,8 @@ def section_surface(
     check_heights(heights)
     if executor is None:
         return _cut(mesh, heights, chord_tolerance)
-    waiting = [executor.submit(_cut_all, mesh, share, chord_tolerance) for share in shares(heights)]
-    return (section for share in waiting for section in share.result())
+    waiting = [executor.submit(_cut_all, mesh, task, chord_tolerance) for task in tasks(heights)]
+    return (section for future in waiting for section in future.result())
 
 
 def _cut_all(mesh: SurfaceMesh, heights: Floats, chord_tolerance: float) -> list[Section]:
@@ -105,7 +105,7 @@ def _sections(heights: Floats, planes: Ints, found: CurveRings) -> Iterator[Sect
             z=z,
             rings=tuple(points[slice(*rings[ring])] for ring in kept),
             runs=tuple(
-                Run(
+                CurveRun(
                     number_of[ring_of[k]],
                     start[k],
                     stop[k],

@@ -11,10 +11,10 @@ from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
 from v3dcad.geometry.surface.mesh import SurfaceMesh, project
 from v3dcad.geometry.surface.surfaces import surface_at
-from v3dcad.model import Floats, Layer, Run, Section
+from v3dcad.model import CurveRun, Floats, Layer, Section
 
 MAX_STARTS = 6
-"""Places that Newton's method is started from."""
+"""Points that Newton's method is started from."""
 
 MAX_END_SHIFT = 0.1
 """mm; an end that would have to go farther stays: its wall runs along the surface."""
@@ -24,7 +24,7 @@ def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
     """The layer with the ends of walls on its curved contours moved along them to the surface.
 
     `mesh` is the one that the layer's section was made from. Only runs of points need it: lines
-    are exact, and circles and ellipses say where they are. The moved ends become points of the
+    are exact, and circles and ellipses are known exactly. The moved ends become points of the
     rings, so that curves laid through these pass through the ends.
     """
     diagram, z = layer.diagram, layer.z
@@ -61,13 +61,13 @@ def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
     return replace(layer, section=section, diagram=replace(diagram, vertices=points))
 
 
-def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, list[Run]]:
+def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, list[CurveRun]]:
     """A contour as a ring of points (k, 2) that begins where a run does, and its runs."""
     turns = (k for k in range(len(contour)) if contour[k].run != contour[k - 1].run)
     first = next(turns, 0)
     ids: list[int] = []
-    runs: list[Run] = []
-    before: Run | None = None
+    runs: list[CurveRun] = []
+    before: CurveRun | None = None
     for chain, run in contour[first:] + contour[:first]:
         start = runs.pop().start if run == before else len(ids)
         ids += chain[:-1]
@@ -86,7 +86,10 @@ def _solved(
     u: float,
     v: float,
 ) -> tuple[float, float, float, float, bool]:
-    """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
+    """Newton's method on z(u, v) = height and (x, y) on the line.
+
+    Returns u, v, x, y, and whether it converged.
+    """
     length = np.hypot(way[0], way[1])
     across_x, across_y = -way[1] / length, way[0] / length
     for _ in range(20):
@@ -121,7 +124,7 @@ def _on_surface(
     """Ends (k, 2) moved along lines (k, 2) to where z(u, v) = height, by Newton's method.
 
     It starts from the nearest of the face's mesh corners (their points and parameters), and from
-    the next ones where that leads off the face: along a seam corners lie on both of its sides.
+    the next ones where the result is off the face: along a seam corners lie on both of its sides.
     """
     moved = ends.copy()
     low_u = low_v = np.inf
