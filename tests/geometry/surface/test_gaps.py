@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
@@ -20,6 +22,7 @@ from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.part import solid_part
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import EDGE, bounds, subshapes
+from v3dcad.model import Section
 
 CTC_02 = "nist_ctc_02_asme1_rc.stp"
 
@@ -84,13 +87,37 @@ def test_gaps_are_reported_once_for_the_part() -> None:
     assert solid_part(shapes.box((0, 0, 0), (1, 1, 1)), "a", "a").findings == ()
 
 
+def is_simple(section: Section) -> bool:
+    rings = [shapely.linearrings(ring) for ring in section.rings]
+    return bool(shapely.is_simple(shapely.multilinestrings(rings)))
+
+
+@pytest.mark.parametrize(("gaps", "is_cut"), [(7.5, True), (8.5, False)])
+def test_a_loop_is_cut_off_up_to_eight_gaps(gaps: float, is_cut: bool) -> None:
+    """A longer one may be the part's own: it stays, for `fill` to refuse."""
+    loop = 2 * (0.05 + 0.03)
+    (section,) = section_solids(dented_box(-0.05, -0.03, loop / gaps), np.array([5.0]))
+    assert is_simple(section) == is_cut
+
+
+def test_a_wedge_with_a_gap_is_cut_where_its_faces_meet(samples: Path) -> None:
+    part = v3dcad.place_on_bed(samples / "wedge.step")
+    (finding,) = part.findings
+    assert "lie off their faces by up to 0.0358 mm" in finding
+    for section in part.sections(np.linspace(0.0, 10.0, 21)):
+        assert is_simple(section)
+        (ring,) = section.rings
+        assert ring_area(ring) == pytest.approx(20**2 * np.tan(np.radians(21)), rel=1e-9)
+    structure = v3dcad.fill(part, layer_height=2, sites=10)
+    assert len(structure.layers) == 5
+
+
 def test_a_real_part_with_gaps_can_be_filled() -> None:
     part = v3dcad.place_on_bed(part_file(CTC_02))
     assert any("lie off their faces by up to 0.108 mm" in finding for finding in part.findings)
     heights = part.bounds[1, 2] * (np.arange(100) + 0.5) / 100
     for section in part.sections(np.append(30.0, heights[np.argsort(heights) > 7])):
-        rings = shapely.multilinestrings([shapely.linearrings(ring) for ring in section.rings])
-        assert shapely.is_simple(rings), section.z
+        assert is_simple(section), section.z
         for number in range(len(section.rings)):
             runs = [run for run in section.runs if run.ring == number]
             stops = [run.stop for run in runs]
