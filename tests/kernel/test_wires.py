@@ -17,7 +17,7 @@ from one_diagram import GRID, power_diagram
 
 from v3dcad.geometry.surface.contour_curves import contours
 from v3dcad.kernel.wires import layer_trails, layer_wires
-from v3dcad.model import CurveRun, Floats, Layer, Placement, Section, SiteState
+from v3dcad.model import CurveRun, Diagram, Floats, Layer, Placement, Section, SiteState
 
 PLACEMENT = Placement(np.eye(3), np.array([3.0, -7.0, 11.0]))
 NONE = np.empty((0, 2), np.int64)
@@ -90,6 +90,27 @@ def test_walls_end_on_the_arcs_and_keep_their_lines() -> None:
     distance = np.sort(np.hypot(*(places[on, None] - sites).transpose(2, 0, 1)), axis=1)
     shared = np.isclose(distance[:, 0], distance[:, 1], atol=1e-9)
     assert shared.sum() >= on.sum() - 2  # the seam's vertices alone are no walls' ends
+
+
+def test_a_wall_that_ends_where_runs_meet_stays_there() -> None:
+    """A half disc whose corners lie 0.01 mm off its circle, as in a part with gaps."""
+    angle = np.linspace(0, np.pi, 25)
+    ring = 10 * np.column_stack([np.cos(angle), np.sin(angle)])
+    runs = CurveRun(0, 0, 24, "circle", 0, (0.0, 0.0, 10.01)), CurveRun(0, 24, 25, "line", 1, ())
+    number = np.arange(25)
+    boundary = np.column_stack([number, (number + 1) % 25])
+    owners = np.column_stack([np.full(25, -1), np.where(number < 16, 0, 1)])
+    wall = np.array([[0, 16]])  # from a corner to a point of the circle
+    diagram = Diagram(ring, np.vstack([boundary, wall]), np.vstack([owners, [[0, 1]]]), wall * 0)
+    zeros = np.zeros(2)
+    state = SiteState(np.zeros((2, 2)), zeros, zeros, zeros)
+    layer = Layer(0, Section(2.0, (ring,), runs), state, diagram, NONE, 1.0)
+    shape = layer_wires(layer, Placement.none())
+    points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(corner)) for corner in distinct(shape, TopAbs_VERTEX)]
+    found = np.array([(point.X(), point.Y()) for point in points])
+    assert np.hypot(*(found - ring[0]).T).min() < 1e-12
+    assert np.hypot(*(found - ring[24]).T).min() < 1e-12
+    assert np.sort(np.hypot(*found.T)) == pytest.approx([10, 10, 10.01], abs=1e-9)
 
 
 def test_an_ellipse_and_a_spline() -> None:

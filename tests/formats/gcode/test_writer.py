@@ -20,7 +20,7 @@ from v3dcad.formats.gcode.blocks import duration_text
 from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
 from v3dcad.formats.gcode.reader import read_gcode
 from v3dcad.formats.gcode.writer import Totals, check_fits, write_gcode
-from v3dcad.model import EXTRUDE, RETRACT, Layer, Toolpath
+from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.estimate import estimate
@@ -259,6 +259,35 @@ def test_a_part_larger_than_the_bed() -> None:
         check_fits(bounds, PrintSettings())
     with pytest.raises(SettingError, match=r"30\.00 mm high"):
         check_fits(bounds / [2, 1, 1], PrintSettings(build_height=20))
+
+
+def test_a_contour_printed_on_its_centre_needs_half_a_bead_on_either_side() -> None:
+    settings = PrintSettings(contour="centre", bead_width=0.8)
+    bed = np.array(settings.bed_size())
+    fits = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])
+    fits[:, :2] *= (bed - 0.8 - 1e-9) / 2
+    check_fits(fits, settings)
+    fits[1, 1] += 0.1
+    with pytest.raises(SettingError, match=r"0.10 mm too large in y"):
+        check_fits(fits, settings)
+
+
+def test_no_feed_is_zero() -> None:
+    """F0 stops some printers, and others take it for their last feed."""
+    points = np.array([[0.0, 0, 0.2], [1, 0, 0.2]])
+    toolpath = Toolpath(
+        points,
+        np.array([TRAVEL, EXTRUDE], np.int8),
+        np.array([0.0, 0.1]),
+        np.array([10.0, 0.001]),
+        np.zeros(2, np.int64),
+        np.array([0, 2], np.int8),
+        np.full((2, 2), np.nan),
+    )
+    stream = io.StringIO()
+    write_gcode(stream, [toolpath], PrintSettings())
+    feeds = re.findall(r"^G[01].* F(\d+)$", stream.getvalue(), re.MULTILINE)
+    assert feeds[-1] == "1"
 
 
 @pytest.mark.parametrize(
