@@ -99,8 +99,8 @@ def test_a_wall_that_ends_where_runs_meet_stays_there() -> None:
     runs = CurveRun(0, 0, 24, "circle", 0, (0.0, 0.0, 10.01)), CurveRun(0, 24, 25, "line", 1, ())
     number = np.arange(25)
     boundary = np.column_stack([number, (number + 1) % 25])
-    owners = np.column_stack([np.full(25, -1), np.where(number < 16, 0, 1)])
-    wall = np.array([[0, 16]])  # from a corner to a point of the circle
+    owners = np.column_stack([np.full(25, -1), np.where((number >= 8) & (number < 24), 1, 0)])
+    wall = np.array([[24, 8]])  # from the corner where the circle ends to a point of the circle
     diagram = Diagram(ring, np.vstack([boundary, wall]), np.vstack([owners, [[0, 1]]]), wall * 0)
     zeros = np.zeros(2)
     state = SiteState(np.zeros((2, 2)), zeros, zeros, zeros)

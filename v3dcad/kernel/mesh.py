@@ -21,14 +21,11 @@ from OCP.BRepLib import BRepLib
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.gp import gp_Pnt2d
 from OCP.TopAbs import (
-    TopAbs_EDGE,
-    TopAbs_FACE,
     TopAbs_IN,
     TopAbs_REVERSED,
-    TopAbs_SOLID,
     TopAbs_VERTEX,
 )
-from OCP.TopExp import TopExp, TopExp_Explorer
+from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
@@ -43,6 +40,7 @@ from v3dcad.geometry.surface.poles import with_meridians
 from v3dcad.geometry.surface.refinement import refined
 from v3dcad.geometry.surface.surfaces import surface_points
 from v3dcad.kernel.flattening import Flattener
+from v3dcad.kernel.shapes import EDGE, FACE, SOLID, subshapes
 from v3dcad.model import Ints, Mesh
 
 DEFLECTION = 0.002
@@ -90,18 +88,9 @@ def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:
     BRepLib.BuildCurves3d_s(shape)
     BRepMesh_IncrementalMesh(shape, sag, False, angle, False)
     collector = _Collector()
-    for solid in _subshapes(shape, TopAbs_SOLID):
+    for solid in subshapes(shape, SOLID):
         collector.add_solid(solid)
     return collector
-
-
-def _subshapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
-    explorer = TopExp_Explorer(shape, kind)
-    found = []
-    while explorer.More():
-        found.append(explorer.Current())
-        explorer.Next()
-    return found
 
 
 def _is_inside(face: TopoDS_Face, u: float, v: float) -> bool:
@@ -132,14 +121,14 @@ class _Collector:
     def add_solid(self, solid: TopoDS_Shape) -> None:
         vertices, edges = TopTools_IndexedMapOfShape(), TopTools_IndexedMapOfShape()
         TopExp.MapShapes_s(solid, TopAbs_VERTEX, vertices)
-        TopExp.MapShapes_s(solid, TopAbs_EDGE, edges)
+        TopExp.MapShapes_s(solid, EDGE, edges)
         self.vertices = vertices
         self.vertex_node = len(self.nodes) - 1
         for i in range(1, vertices.Extent() + 1):
             self.nodes.append(BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord())
         self.edges = edges
         self.divided: dict[int, tuple[int, int]] = {}
-        for face in _subshapes(solid, TopAbs_FACE):
+        for face in subshapes(solid, FACE):
             self._add_face(TopoDS.Face_s(face))
 
     def _add_face(self, face: TopoDS_Face) -> None:
@@ -157,7 +146,7 @@ class _Collector:
         self.corner_node += [-1] * count
         self.corner_face += [len(self.faces)] * count
         tolerance = 0.0
-        for edge in map(TopoDS.Edge_s, _subshapes(face, TopAbs_EDGE)):
+        for edge in map(TopoDS.Edge_s, subshapes(face, EDGE)):
             tolerance = max(tolerance, BRep_Tool.Tolerance_s(edge))
             polygon = BRep_Tool.PolygonOnTriangulation_s(edge, facets, place)
             if polygon is not None:

@@ -12,7 +12,7 @@ from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INLINED, INTERNA
 from v3dcad.geometry.mesh.section import SNAP, Crossings, is_thin
 from v3dcad.geometry.surface.conics import NO_CONIC, STRAIGHT_LINE, Conic, conic_at
 from v3dcad.geometry.surface.mesh import MeshArrays
-from v3dcad.geometry.surface.surfaces import surface_at
+from v3dcad.geometry.surface.surfaces import step_to_line, surface_at
 
 CurvePoint = tuple[float, float, float, float]
 """A point of a level line on a surface: x, y, u, v."""
@@ -119,13 +119,11 @@ def _between(
             return near, s[0][0], s[0][1], u, v
         # One more step squares an error as small as this: down to rounding.
         settled = abs(rise) < 1e-9 and abs(along) < 1e-6 * length * length
-        u_along = s[1][0] * chord_x + s[1][1] * chord_y
-        v_along = s[2][0] * chord_x + s[2][1] * chord_y
-        determinant = s[1][2] * v_along - s[2][2] * u_along
-        if determinant == 0.0:
+        solvable, u_step, v_step = step_to_line(s, rise, along, chord_x, chord_y)
+        if not solvable:
             break
-        u -= (rise * v_along - s[2][2] * along) / determinant
-        v -= (s[1][2] * along - u_along * rise) / determinant
+        u -= u_step
+        v -= v_step
     return False, middle_x, middle_y, u, v
 
 

@@ -236,6 +236,27 @@ def height_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -
     )
 
 
+@compiled(INTERNAL)
+def step_to_line(
+    point: Derivatives, rise: float, off: float, x: float, y: float
+) -> tuple[bool, float, float]:
+    """Newton's step in u and v from a point of a surface to where its level curve meets a line.
+
+    The point is `rise` above the level and `off` the line, a distance times the length of the
+    line's normal (x, y). False where there is no such step.
+    """
+    u_off = point[1][0] * x + point[1][1] * y
+    v_off = point[2][0] * x + point[2][1] * y
+    determinant = point[1][2] * v_off - point[2][2] * u_off
+    if determinant == 0.0:
+        return False, 0.0, 0.0
+    return (
+        True,
+        (rise * v_off - point[2][2] * off) / determinant,
+        (point[1][2] * off - u_off * rise) / determinant,
+    )
+
+
 @compiled(ENTRY)
 def surface_points(
     coefficients: ConstFloatArray, surfaces: ConstIntArray, parameters: FloatRows

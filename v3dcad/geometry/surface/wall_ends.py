@@ -10,7 +10,7 @@ from v3dcad.geometry.compiled.arrays import ConstFloatArray, ConstFloatRows, Flo
 from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
 from v3dcad.geometry.surface.mesh import SurfaceMesh, project
-from v3dcad.geometry.surface.surfaces import surface_at
+from v3dcad.geometry.surface.surfaces import step_to_line, surface_at
 from v3dcad.model import CurveRun, Floats, Layer, Section
 
 MAX_STARTS = 6
@@ -98,13 +98,11 @@ def _solved(
         aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
         if max(abs(rise), abs(aside)) < 1e-12:
             break
-        u_aside = s[1][0] * across_x + s[1][1] * across_y
-        v_aside = s[2][0] * across_x + s[2][1] * across_y
-        determinant = s[1][2] * v_aside - s[2][2] * u_aside
-        if determinant == 0.0:
+        solvable, u_step, v_step = step_to_line(s, rise, aside, across_x, across_y)
+        if not solvable:
             break
-        u -= (rise * v_aside - s[2][2] * aside) / determinant
-        v -= (s[1][2] * aside - u_aside * rise) / determinant
+        u -= u_step
+        v -= v_step
     s = surface_at(coefficients, surface, u, v)
     aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
     settled = abs(s[0][2] - height) < 1e-9 and abs(aside) < 1e-9
