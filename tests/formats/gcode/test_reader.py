@@ -34,6 +34,12 @@ def test_lengths_filament_layers_and_bounds(read) -> None:
     assert found.greatest == (20, 20, 0.4)
 
 
+def test_bounds_include_where_extrusion_begins(read) -> None:
+    found = read("G28\nG0 X1 Y9 Z1 F600\nG1 X5 Y5 E1\n")
+    assert found.least == (1, 5, 1)
+    assert found.greatest == (5, 9, 1)
+
+
 def test_relative_moves_and_extrusion(read) -> None:
     found = read("G28\nG1 X0 Y0 Z1 F600\nG91\nG1 X5 E1\nG1 X5 E1\nG90\nM83\nG1 X0 E0.5\n")
     assert found.extruded_mm == pytest.approx(20)

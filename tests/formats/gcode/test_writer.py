@@ -174,6 +174,9 @@ def test_progress_rises_to_the_end() -> None:
     assert [p for p, _ in progress] == sorted(p for p, _ in progress)
     assert [r for _, r in progress] == sorted((r for _, r in progress), reverse=True)
     assert len(progress) > 25
+    total = totals.time_s / 60
+    for percent, minutes in progress:
+        assert abs(minutes - total * (1 - percent / 100)) <= 0.5 + total / 100
 
 
 def test_fan_starts_at_its_layer() -> None:

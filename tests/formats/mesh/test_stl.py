@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.mesh.stl import ascii_stl, binary_stl, normals, read_stl
+from v3dcad.formats.mesh.stl import ascii_stl, binary_stl, normals, read_stl, welded
 from v3dcad.model import Mesh
 
 TETRAHEDRON = Mesh(
@@ -64,6 +64,16 @@ def test_binary_whose_header_says_solid(tmp_path: Path) -> None:
 def test_triangles_without_area_are_left_out(tmp_path: Path) -> None:
     flat = Mesh(TETRAHEDRON.vertices, np.vstack([TETRAHEDRON.triangles, [[0, 0, 1]]]))
     assert len(read_stl(written(tmp_path, binary_stl(flat))).triangles) == 4
+
+
+@pytest.mark.parametrize("zero", [0.0, -0.0])
+def test_there_is_one_zero(zero: float) -> None:
+    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 0], [1, 0, 0], [1, 1, 0]]])
+    corners[0][corners[0] == 0] = zero
+    corners[1][corners[1] == 0] = -zero
+    mesh = welded(corners, "a")
+    assert len(mesh.vertices) == 4
+    assert not np.signbit(mesh.vertices).any()
 
 
 def test_crlf_capitals_and_exponents(tmp_path: Path) -> None:
