@@ -9,7 +9,7 @@ inside one face. Nothing is compared by its coordinates.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from OCP.Bnd import Bnd_Box
@@ -41,7 +41,7 @@ from v3dcad.geometry.surface.refinement import refined
 from v3dcad.geometry.surface.surfaces import surface_points
 from v3dcad.kernel.flattening import Flattener
 from v3dcad.kernel.shapes import EDGE, FACE, SOLID, subshapes
-from v3dcad.model import Ints, Mesh
+from v3dcad.model import Floats, Ints, Mesh
 
 DEFLECTION = 0.002
 """Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
@@ -96,6 +96,19 @@ def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:
 def _is_inside(face: TopoDS_Face, u: float, v: float) -> bool:
     """Whether (u, v) lies inside a face and not on its boundary."""
     return bool(BRepClass_FaceClassifier(face, gp_Pnt2d(u, v), 1e-9).State() == TopAbs_IN)
+
+
+class _Corners(NamedTuple):
+    """The triangles of all faces, and their corners."""
+
+    triangles: Ints
+    """(t, 3) corner ids"""
+    uv: Floats
+    """(c, 2) parameters of each corner on its face"""
+    faces: Ints
+    """(t,) the face of each triangle"""
+    nodes: Ints
+    """(c,) node id of each corner"""
 
 
 class _Collector:
@@ -208,66 +221,52 @@ class _Collector:
         nodes[on_edge] = curve_points(coefficients, curves, nodes[on_edge, 2])
         beneath = surfaces[np.array(self.corner_face, np.int64)[inner]]
         nodes[node_of[inner]] = surface_points(coefficients, beneath, uv[inner])
-        joined = _joined(
-            *(coefficients, surfaces, np.array(self.gaps), nodes, triangles, uv, owner, node_of),
-            *(self.stretches, self.stretch_ends),
-        )
+        joined = self._joined(coefficients, nodes, _Corners(triangles, uv, owner, node_of))
         return with_meridians(joined, np.isin(triangles, self.poles))
 
-
-def _joined(
-    coefficients: Any,
-    surfaces: Any,
-    gaps: Any,
-    nodes: Any,
-    triangles: Any,
-    uv: Any,
-    owner: Any,
-    node_of: Any,
-    stretches: list[tuple[int, float, float]],
-    stretch_ends: list[tuple[int, int, int]],
-) -> SurfaceMesh:
-    """Pair the sides of triangles of corners into mesh edges."""
-    tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    name = np.minimum(tail, head) * len(uv) + np.maximum(tail, head)
-    ends = np.array(stretch_ends, np.int64).reshape(-1, 3)
-    end_name = np.minimum(ends[:, 0], ends[:, 1]) * len(uv) + np.maximum(ends[:, 0], ends[:, 1])
-    order = np.argsort(end_name)
-    at = np.minimum(np.searchsorted(end_name[order], name), len(ends) - 1)
-    found = order[at]
-    on_edge = end_name[found] == name
-    stretch = np.where(on_edge, ends[found, 2], -1)
-    backward = np.where(on_edge, ends[found, 0] != tail, tail > head)
-    inner_names = np.unique(name)
-    key = np.where(on_edge, stretch, len(stretches) + np.searchsorted(inner_names, name))
-    kept = np.flatnonzero(node_of[tail] != node_of[head])
-    forward, partner, unpaired = pair_sides(key[kept], backward[kept])
-    if unpaired:
-        raise KernelError(
-            f"the part is not closed: {unpaired} stretches of edges have a face on one side only; "
-            "heal or sew it where it was made"
+    def _joined(self, coefficients: Floats, nodes: Floats, corners: _Corners) -> SurfaceMesh:
+        """Pair the sides of the triangles into mesh edges."""
+        triangles, uv, owner, node_of = corners
+        tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+        name = np.minimum(tail, head) * len(uv) + np.maximum(tail, head)
+        ends = np.array(self.stretch_ends, np.int64).reshape(-1, 3)
+        end_name = np.minimum(ends[:, 0], ends[:, 1]) * len(uv) + np.maximum(ends[:, 0], ends[:, 1])
+        order = np.argsort(end_name)
+        at = np.minimum(np.searchsorted(end_name[order], name), len(ends) - 1)
+        found = order[at]
+        on_edge = end_name[found] == name
+        stretch = np.where(on_edge, ends[found, 2], -1)
+        backward = np.where(on_edge, ends[found, 0] != tail, tail > head)
+        inner_names = np.unique(name)
+        key = np.where(on_edge, stretch, len(self.stretches) + np.searchsorted(inner_names, name))
+        kept = np.flatnonzero(node_of[tail] != node_of[head])
+        forward, partner, unpaired = pair_sides(key[kept], backward[kept])
+        if unpaired:
+            raise KernelError(
+                f"the part is not closed: {unpaired} stretches of edges have a face on one side "
+                "only; heal or sew it where it was made"
+            )
+        forward, partner = kept[forward], kept[partner]
+        sides = np.full(len(tail), -1, np.int64)
+        sides[forward] = sides[partner] = np.arange(len(forward))
+        curve = np.array(self.stretches).reshape(-1, 3)
+        lies = on_edge[forward]
+        spans = np.column_stack([uv[tail[forward]], uv[head[forward]]])
+        spans[lies] = 0.0
+        spans[lies, :2] = curve[stretch[forward[lies]], 1:]
+        curves = np.full(len(forward), -1, np.int64)
+        curves[lies] = curve[stretch[forward[lies]], 0]
+        return SurfaceMesh(
+            coefficients=coefficients,
+            surfaces=np.array(self.surfaces, np.int64),
+            nodes=nodes,
+            triangles=node_of[triangles],
+            corners=uv[triangles],
+            faces=owner,
+            sides=sides.reshape(-1, 3),
+            edge_nodes=np.column_stack([node_of[tail[forward]], node_of[head[forward]]]),
+            edge_faces=owner[forward // 3],
+            edge_curves=curves,
+            edge_spans=spans,
+            gaps=np.array(self.gaps),
         )
-    forward, partner = kept[forward], kept[partner]
-    sides = np.full(len(tail), -1, np.int64)
-    sides[forward] = sides[partner] = np.arange(len(forward))
-    curve = np.array(stretches).reshape(-1, 3)
-    lies = on_edge[forward]
-    spans = np.column_stack([uv[tail[forward]], uv[head[forward]]])
-    spans[lies] = 0.0
-    spans[lies, :2] = curve[stretch[forward[lies]], 1:]
-    curves = np.full(len(forward), -1, np.int64)
-    curves[lies] = curve[stretch[forward[lies]], 0]
-    return SurfaceMesh(
-        coefficients=coefficients,
-        surfaces=surfaces,
-        nodes=nodes,
-        triangles=node_of[triangles],
-        corners=uv[triangles],
-        faces=owner,
-        sides=sides.reshape(-1, 3),
-        edge_nodes=np.column_stack([node_of[tail[forward]], node_of[head[forward]]]),
-        edge_faces=owner[forward // 3],
-        edge_curves=curves,
-        edge_spans=spans,
-        gaps=gaps,
-    )

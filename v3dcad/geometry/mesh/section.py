@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import (
-    ConstFloatArray,
     ConstFloatRows,
     ConstIntArray,
     ConstIntRows,
+    FloatArray,
     FloatRows,
     IntArray,
 )
@@ -70,6 +70,21 @@ class Crossings(NamedTuple):
     """(r + 1,) where each ring begins"""
     planes: IntArray
     """(r,) the plane of each ring, ascending"""
+
+
+class _Planes(NamedTuple):
+    """Planes, and which of them cross what."""
+
+    heights: FloatArray
+    """(k,) mm"""
+    ranks: IntArray
+    """(v,) the first plane that each vertex is not above"""
+    begin: IntArray
+    """(t,) the first plane that crosses each triangle"""
+    end: IntArray
+    """(t,) the first plane after those"""
+    before: IntArray
+    """(k + 1,) crossings of triangles with the planes before each"""
 
 
 def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) -> list[Section]:
@@ -172,18 +187,18 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
         )
         yield (
             stop - first,
-            Crossings(
-                *_cross(
-                    mesh.vertices,
-                    mesh.triangles,
-                    edges.nodes,
-                    edges.of_triangles,
-                    heights[first:stop],
+            _cross(
+                mesh.vertices,
+                mesh.triangles,
+                edges.nodes,
+                edges.of_triangles,
+                _Planes(
+                    np.array(heights[first:stop], np.float64),
                     ranks - first,
                     np.clip(begin, first, stop) - first,
                     np.clip(end, first, stop) - first,
                     before[first : stop + 1] - before[first],
-                )
+                ),
             ),
         )
         first = stop
@@ -218,27 +233,24 @@ def _cross(
     triangles: ConstIntRows,
     edge_nodes: ConstIntRows,
     edge_of: ConstIntRows,
-    heights: ConstFloatArray,
-    ranks: ConstIntArray,
-    begin: ConstIntArray,
-    end: ConstIntArray,
-    before: ConstIntArray,
-) -> tuple[FloatRows, IntArray, IntArray, IntArray, IntArray]:
+    planes: _Planes,
+) -> Crossings:
     """Cross every triangle with its planes, then link the crossings of each plane into rings."""
+    heights, ranks, begin, end, before = planes
     total = before[-1]
     descent = np.empty(total, np.int64)
     rise = np.empty(total, np.int64)
     crossed = np.empty(total, np.int64)
     level = np.full(total, -1)
-    place = before[:-1].copy()
+    free = before[:-1].copy()
     corner_z, corner_rank = np.empty(4), np.empty(4, np.int64)
     for triangle in range(len(triangles)):
         for corner in range(4 if begin[triangle] < end[triangle] else 0):
             node = triangles[triangle, corner % 3]
             corner_z[corner], corner_rank[corner] = vertices[node, 2], ranks[node]
         for plane in range(begin[triangle], end[triangle]):
-            slot = place[plane]
-            place[plane] += 1
+            slot = free[plane]
+            free[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
                 tail_z, head_z = corner_z[side], corner_z[side + 1]
@@ -258,7 +270,7 @@ def _cross(
     walked = np.empty(total, np.int64)
     done = np.zeros(total, np.bool_)
     starts = np.zeros(total + 1, np.int64)
-    planes = np.empty(total, np.int64)
+    plane_of = np.empty(total, np.int64)
     written = rings = 0
     for plane in range(len(heights)):
         for slot in range(before[plane], before[plane + 1]):
@@ -291,15 +303,15 @@ def _cross(
                 while opposite[slot] >= 0:
                     slot = follower[rise[opposite[slot]]]
             if written > starts[rings]:
-                planes[rings] = plane
+                plane_of[rings] = plane
                 rings += 1
                 starts[rings] = written
-    return (
+    return Crossings(
         points[:written],
         edges[:written],
         walked[:written],
         starts[: rings + 1].copy(),
-        planes[:rings].copy(),
+        plane_of[:rings].copy(),
     )
 
 
@@ -307,9 +319,9 @@ def _cross(
 def is_thin(ring: ConstFloatRows, width: float) -> bool:
     """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
     area, length = 0.0, 0.0
-    for place in range(1, len(ring)):
-        x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
-        back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
+    for k in range(1, len(ring)):
+        x, y = ring[k, 0] - ring[0, 0], ring[k, 1] - ring[0, 1]
+        back_x, back_y = ring[k - 1, 0] - ring[0, 0], ring[k - 1, 1] - ring[0, 1]
         area += back_x * y - back_y * x
         length += np.hypot(x - back_x, y - back_y)
     return abs(area) <= width * length
