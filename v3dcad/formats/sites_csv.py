@@ -15,7 +15,7 @@ from v3dcad.model import Floats
 def read_sites(path: Path) -> Floats:
     """Sites (n, 2), mm, one `x,y` a line; a first line without numbers is taken as a heading.
 
-    Further columns are an error, so that a list of X,Y,Z is not misread by chance.
+    Further columns are an error, so that a list of X,Y,Z is not misread.
     """
     sites: list[tuple[float, float]] = []
     try:
@@ -32,10 +32,12 @@ def read_sites(path: Path) -> Floats:
                         "write one `x,y` in mm", path=str(path), line=number
                     ) from None
                 if not (math.isfinite(x) and math.isfinite(y)):
-                    raise FormatError("not a finite number", path=str(path), line=number)
+                    raise FormatError(
+                        "a coordinate is not a finite number", path=str(path), line=number
+                    )
                 sites.append((x, y))
     except (UnicodeDecodeError, csv.Error) as error:
         raise FormatError(f"not a CSV text file ({error})", path=str(path)) from error
     if not sites:
-        raise FormatError("holds no sites; write one `x,y` in mm a line", path=str(path))
+        raise FormatError("contains no sites; write one `x,y` in mm a line", path=str(path))
     return np.array(sites)
