@@ -100,8 +100,8 @@ class Placement(Value):
         return self.is_shift() and not self.translation.any()
 
 
-class Run(NamedTuple):
-    """A stretch of a ring that lies on one face: points start … stop of ring `ring`.
+class CurveRun(NamedTuple):
+    """A stretch of a ring on one curve of one face: points start … stop of ring `ring`.
 
     `curve` is "line", "circle", "ellipse" or "points"; `parameters` describe the exact curve
     (circle: centre x, y, radius; ellipse: centre x, y, major axis vector x, y, minor/major
@@ -124,7 +124,7 @@ class Section(Value):
     """mm above the bed"""
     rings: tuple[Floats, ...]
     """each (k, 2) mm; the material lies on the left of every ring"""
-    runs: tuple[Run, ...] = ()
+    runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
 
 
