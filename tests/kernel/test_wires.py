@@ -168,9 +168,6 @@ def test_a_wall_that_ends_where_two_curves_meet_leaves_their_corner_alone() -> N
         CurveRun(0, 0, 72, "circle", 0, (0.0, 0.0, 10.0005)),
         CurveRun(0, 72, 74, "line", 1, ()),
     )
-        CurveRun(0, 0, 72, "circle", 0, (0.0, 0.0, 10.0005)),
-        CurveRun(0, 72, 74, "line", 1, ()),
-    )
     layer = layer_of_qhull(np.array([[-4.0, -2], [-8, -6]]), Section(1.0, (ring,), runs))
     (wall,) = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
     assert [0, -10] in wall.tolist()
