@@ -9,11 +9,14 @@ from scipy.spatial import Voronoi
 
 from v3dcad.errors import SettingError
 from v3dcad.geometry.grid import STEPS
+from v3dcad.geometry.voronoi.bins import bins_of
 from v3dcad.geometry.voronoi.cells import voronoi_cells
 from v3dcad.geometry.voronoi.measures import extents
+from v3dcad.geometry.voronoi.periodic import with_copies
+from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.geometry.voronoi.steepest import steepest_wall
 from v3dcad.structure.foam import make_tile
-from v3dcad.structure.foam.tile import SIZE, TAU_SQUARED, pattern, stretch_for, tiles
+from v3dcad.structure.foam.tile import MARGIN_CELLS, SIZE, TAU_SQUARED, pattern, stretch_for, tiles
 
 SEEDS = st.integers(0, 2**63 - 1)
 
@@ -66,6 +69,16 @@ def test_qhull_finds_no_steeper_wall():
             worst = max(worst, abs(z) / np.hypot(x, y))
     assert worst**2 <= TAU_SQUARED
     assert steepest_wall(sites, np.zeros(3, np.int64), high).tau == pytest.approx(worst)
+
+
+def test_the_margin_holds_all_sites_that_matter():
+    """Proven: no point of space is farther from its nearest site than the margin."""
+    for tile in tiles():
+        around = with_copies(tile.sites.astype(np.float64), np.array(SIZE, np.float64), 3e4)
+        bins = bins_of(around, around.min(axis=0), around.max(axis=0), periodic=False)
+        bounds = cell_reaches(bins, around, np.zeros(3), np.array(SIZE, np.float64))
+        cell = SIZE[0] / sqrt(tile.cells_per_section)
+        assert bounds.max() < MARGIN_CELLS * cell
 
 
 def box(draw_low, draw_size):
