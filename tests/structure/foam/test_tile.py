@@ -110,6 +110,15 @@ def test_sites_do_not_depend_on_the_box_that_they_are_asked_for(seed, cell, low,
     assert (whole % foam.multiple == 0).all()
 
 
+def test_sites_on_the_edge_of_what_is_in_reach_are_in():
+    foam = pattern(1.0, 0, 10.0)
+    site = foam.sites[0] * foam.multiple
+    for way in np.concatenate([np.eye(3, dtype=np.int64), -np.eye(3, dtype=np.int64)]):
+        edge = site + way * foam.margin
+        assert (foam.sites_in(edge, edge) == site).all(axis=1).any()
+        assert not (foam.sites_in(edge + way, edge + way) == site).all(axis=1).any()
+
+
 @settings(max_examples=20)
 @given(SEEDS, st.floats(0.2, 20), st.floats(1, 400))
 def test_the_grid_spans_the_frame_and_the_tile_is_whole_on_it(seed, cell, frame):

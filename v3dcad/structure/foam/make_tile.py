@@ -51,9 +51,6 @@ MARGIN = 4.0
 HEIGHTS = 64
 """Sections that evenness is judged by."""
 
-FINE = 1 << 20
-"""Steps of a radius that places are rounded to on the way."""
-
 WAVES = 6
 """How many harmonics of the number of cells over height are levelled."""
 
@@ -112,8 +109,7 @@ def evened(places: Floats, box: Floats, share: float) -> Floats:
     quantization in PCM", IEEE Trans. Information Theory 1982), and levelled.
 
     Where sections have too many cells, sites are moved apart in height: by as much as their number,
-    taken as waves over the height, is over the average. The places are rounded, so that they do
-    not depend on how a machine computes sines and sums.
+    taken as waves over the height, is over the average.
     """
     cells, around = cells_of(places, box)
     _, centroids = volumes_and_centroids(cells, around)
@@ -129,7 +125,7 @@ def evened(places: Floats, box: Floats, share: float) -> Floats:
         lift += (cosines * np.sin(height) - sines * np.cos(height)) * of_mean / turn
     moved = places + share * (centroids - places)
     moved[:, 2] += lift
-    return np.mod(np.rint(moved * FINE) / FINE, box)
+    return np.mod(moved, box)
 
 
 def certified(sites: Ints) -> SteepestWall:
@@ -159,7 +155,7 @@ def make_tile(random_seed: int) -> tuple[Ints, float]:
             stages=stages,
             margin=LATER_MARGIN if turn else FIRST_MARGIN,
             slack=SLACK,
-            random_seed=turn,
+            random_seed=max(turn - 1, 0),
             progress=lambda stage, bad: print(
                 f"   τ = {stage:.3g}: {bad} sites at bad walls", flush=True
             ),
