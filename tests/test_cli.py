@@ -209,7 +209,7 @@ def test_sites_from_a_file(
     for text, says in (
         ("x,y\n", "no sites"),
         ("1,2\n3\n", "line 2: write one `x,y`"),
-        ("1,2\n3,inf\n", "line 2: not a finite"),
+        ("1,2\n3,inf\n", "line 2: a coordinate is not a finite"),
         ("500,500\n", "all sites lie outside"),
     ):
         csv.write_text(text, encoding="utf-8")
