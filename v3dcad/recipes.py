@@ -89,9 +89,9 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     """The recipe of another structure, which has no check sum yet.
 
     Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
-    (n, 3) take their place.
+    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites.
     """
-    kept = recipe.sites
+    kept = sites_of(recipe)
     usual = FillSettings.__dataclass_fields__
     before = {name: getattr(recipe.settings, name) for name in usual}
     method = settings.get("method", recipe.settings.method)
@@ -103,14 +103,48 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     elif sites is not None:
         kept = explicit_sites(sites)
         if method == "thesis":
-            settings = {**settings, "sites": len(kept)}
-        if kept.shape[1] == 2:
-            kept = np.column_stack([kept, np.zeros(len(kept))])
+            before["sites"] = len(kept)
+        else:
+            before["cell_size"] = before["stretch"] = "auto"
     elif {"random_seed", "cell_size"} & settings.keys():
         kept = None
-    return replace(
-        recipe, settings=known_settings({**before, **settings}), sites=kept, checksum=None
-    )
+    chosen = known_settings({**before, **settings})
+    if kept is not None:
+        check_fits_sites(chosen, kept)
+        if kept.shape[1] == 2:
+            chosen = chosen if method == "thesis" else replace(chosen, stretch="columns")
+            kept = in_space(kept)
+    return replace(recipe, settings=chosen, sites=kept, checksum=None)
+
+
+def in_space(sites: Floats) -> Floats:
+    """Sites as an `.ont` file lists them, (n, 3); those of a plane lie at height 0."""
+    if sites.shape[1] == 3:
+        return sites
+    return np.column_stack([sites, np.zeros(len(sites))])
+
+
+def check_fits_sites(settings: FillSettings, sites: Floats) -> None:
+    """Raise `SettingError` where sites (n, 2) or (n, 3) are given and settings do not fit them."""
+    in_plane = sites.shape[1] == 2
+    if settings.method == "thesis":
+        if not in_plane:
+            raise SettingError("sites", "--method thesis takes sites as rows of x, y")
+        return
+    if settings.cell_size != "auto":
+        raise SettingError(
+            "cell_size", f"--cell-size {settings.cell_size}: sites are given, which say where the "
+            "cells are; leave one of the two out",
+        )  # fmt: skip
+    if in_plane and not isinstance(settings.stretch, str):
+        raise SettingError(
+            "stretch", f"--stretch {settings.stretch:g}: sites of x, y are columns; give their z, "
+            "or leave it out",
+        )  # fmt: skip
+    if not in_plane and isinstance(settings.stretch, str):
+        raise SettingError(
+            "stretch", f"--stretch {settings.stretch}: sites in space need a number; give it"
+        )
 
 
 def declared_for_one(name: str) -> bool:
