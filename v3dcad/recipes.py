@@ -57,11 +57,14 @@ def read_ont(path: str | Path) -> Recipe:
 
 
 def known_settings(chosen: dict[str, Any]) -> FillSettings:
-    """The settings of a call; `SettingError` for a name that is none."""
+    """The settings of a call; `SettingError` for a name that is none, or another method's."""
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
             raise SettingError(name, f"there is no setting {name!r}")
-    return FillSettings(**chosen)
+    settings = FillSettings(**chosen)
+    for name in chosen:
+        FillSettings.refuse_other(name, settings.method)
+    return settings
 
 
 def explicit_sites(sites: Any) -> Floats:
@@ -92,12 +95,15 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites.
     """
     kept = sites_of(recipe)
-    usual = FillSettings.__dataclass_fields__
-    before = {name: getattr(recipe.settings, name) for name in usual}
     method = settings.get("method", recipe.settings.method)
-    if method != recipe.settings.method:
-        kept = None
-        before = {name: value for name, value in before.items() if not declared_for_one(name)}
+    same = method == recipe.settings.method
+    kept = kept if same else None
+    before = {
+        name: getattr(recipe.settings, name)
+        for name in FillSettings.__dataclass_fields__
+        if declared(FillSettings, name).method in ((None, method) if same else (None,))
+    }
+    before["method"] = method
     if isinstance(sites, int):
         kept, settings = None, {**settings, "sites": sites}
     elif sites is not None:
@@ -145,11 +151,6 @@ def check_fits_sites(settings: FillSettings, sites: Floats) -> None:
         raise SettingError(
             "stretch", f"--stretch {settings.stretch}: sites in space need a number; give it"
         )
-
-
-def declared_for_one(name: str) -> bool:
-    """Whether a setting belongs to one method only."""
-    return declared(FillSettings, name).method is not None
 
 
 def told(recipe: Recipe) -> dict[str, str]:

@@ -201,8 +201,8 @@ def foam_lines(foam: dict[str, Any]) -> dict[str, str]:
         *([] if tall is None else [f"cells {tall:.2f} times as tall as wide"]),
     ]
     wall = foam["steepest_wall"]
-    steepest = "all walls are upright"
+    steepest = "every wall is upright"
     if wall["sites"]:
         i, j = wall["sites"]
-        steepest = f"{wall['tilt_deg']:.2f}°, between sites {i} and {j} (certified)"
-    return {**({"cell size": ", ".join(size)} if size else {}), "steepest wall": steepest}
+        steepest = f"wall between sites {i} and {j}, {wall['tilt_deg']:.2f}° (certified)"
+    return {**({"cell size": ", ".join(size)} if size else {}), "steepest": steepest}

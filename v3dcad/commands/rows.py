@@ -10,4 +10,4 @@ import typer
 def print_rows(rows: Iterable[tuple[str, object]]) -> None:
     """Print names and values in two columns."""
     for name, value in rows:
-        typer.echo(f"{name:<13}  {value}")
+        typer.echo(f"{name:<12}  {value}")
