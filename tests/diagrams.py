@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from scipy.spatial import Voronoi
 
-from v3dcad.model import Diagram, Floats, Ints, Layer, Run, Section, SiteState
+from v3dcad.model import CurveRun, Diagram, Floats, Ints, Layer, Section, SiteState
 
 
 def scattered(count: int, half: float, seed: int) -> Floats:
@@ -131,7 +131,7 @@ def disc(radius: float, z: float = 0.0, points: int = 96) -> Section:
     """A round section that knows that it is a circle."""
     angle = np.arange(points) / points * 2 * np.pi
     ring = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    return Section(z, (ring,), (Run(0, 0, points, "circle", 0, (0.0, 0.0, radius)),))
+    return Section(z, (ring,), (CurveRun(0, 0, points, "circle", 0, (0.0, 0.0, radius)),))
 
 
 def stack(count: int, sites: int = 12, half: float = 10.0, seed: int = 1) -> list[Layer]:

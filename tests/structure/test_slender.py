@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from v3dcad.geometry.power_diagram.epochs import FIRST
 
 from tests import oracle
 from tests.structure.test_births_law import BESIDE, Below
 from tests.structure.test_fill import fingerprint, laws
 from v3dcad import FillSettings, GeometryError, Section, fill_sections
-from v3dcad.geometry.power_diagram.epochs import FIRST
 from v3dcad.geometry.power_diagram.grid import HEAVIEST, STEPS, UTMOST
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
 from v3dcad.geometry.power_diagram.triangle_mesh import SENTINELS
