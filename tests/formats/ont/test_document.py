@@ -183,9 +183,9 @@ def test_every_number_of_a_foam_comes_back(
 ) -> None:
     known = {"method": "foam", "stretch": stretch, "max_overhang": limit}
     uniform = recipe(places=None, **known, cell_size=size)
-    for given in (recipe(places=np.array(sites), **known), uniform):
+    for foam in (recipe(places=np.array(sites), **known), uniform):
         for form in ("stl", "exact"):
-            assert_same(read(ont_text(given, form)), given)
+            assert_same(read(ont_text(foam, form)), foam)
 
 
 def test_a_foam_lists_the_sites_that_were_given_and_no_others() -> None:
