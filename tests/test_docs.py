@@ -44,7 +44,7 @@ def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.Monke
     "name",
     [
         "lightened_bracket",
-        "graded_block",
+        "foam_and_columns",
         pytest.param("foam_lamp_shade", marks=pytest.mark.long),
     ],
 )
