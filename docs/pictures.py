@@ -1,4 +1,4 @@
-"""Draw the pictures of README and docs/foam.md: `python docs/pictures.py`; the same bytes each time.
+"""Draw the pictures of README and docs/foam.md, the same bytes each time: `python docs/pictures.py`.
 
 A vertical cut shows where the walls, which are plane polygons in space, cross the plane y = 0.
 """
