@@ -2,8 +2,8 @@
 
     python benchmarks/thesis.py [--bunny ../shared/data/parts/bunny.stl] [--out FOLDER]
 
-prints Table 4.1 (sizes), Table 4.2 (times), and how far walls lie from the layer below by both
-methods; writes Fig. 3.13 (area per cell) and Fig. 3.30 (time over number of sites) as PNG.
+prints Table 4.1 (sizes), Table 4.2 (times), and how far walls lie from the layer
+below; writes Fig. 3.13 (area per cell) and Fig. 3.30 (time over number of sites) as PNG.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""Draw the pictures of README and docs/foam.md, the same bytes each time: `python docs/pictures.py`.
+"""Draw the pictures of README and docs/foam.md: `python docs/pictures.py`.
 
-A vertical cut shows where the walls, which are plane polygons in space, cross the plane y = 0.
+The same bytes each time. A vertical cut shows where the walls, which are plane polygons in space,
+cross the plane y = 0.
 """
 
 from __future__ import annotations

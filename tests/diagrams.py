@@ -9,7 +9,7 @@ import shapely
 from scipy.spatial import Voronoi
 
 from v3dcad.geometry.power_diagram.grid import Grid
-from v3dcad.model import CurveRun, Diagram, Floats, Ints, Layer, Section
+from v3dcad.model import CurveRun, Diagram, Floats, Layer, Section
 from v3dcad.structure.thesis.sites import PlaneSites
 
 
@@ -107,9 +107,7 @@ def layer(sites: Floats, section: Section, index: int = 0) -> Layer:
     count = len(sites)
     grid = Grid.around(sites.min(axis=0), sites.max(axis=0))
     state = PlaneSites(grid, sites, np.zeros(count), np.zeros(count))
-    return Layer(
-        index, section, state, diagram, area_of(section).area / count
-    )
+    return Layer(index, section, state, diagram, area_of(section).area / count)
 
 
 def square(half: float, z: float = 0.0, hole: float = 0.0) -> Section:
