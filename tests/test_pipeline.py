@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from build123d import Box, import_step
 from gcode_reader import read_moves
 from parts import part_file
 
@@ -237,8 +238,6 @@ def test_picture_is_a_png_with_something_on_it(bracket: Structure, tmp_path: Pat
 
 
 def test_shapes_and_meshes_are_parts_too(samples: Path) -> None:
-    from build123d import Box, import_step
-
     box = v3dcad.fill(Box(10, 10, 10), layer_height=5.0, cell_size=4.0)
     vertices = np.array([[x, y, z] for x in (0, 9.0) for y in (0, 9.0) for z in (0, 9.0)])
     faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)]
@@ -331,5 +330,29 @@ def test_settings_say_what_auto_stood_for(samples: Path) -> None:
         least = max(1.0, 1.25 / math.tan(math.radians(min(limit, 89.9))))
         assert settings.stretch == pytest.approx(least)
         assert settings.cell_size == pytest.approx(40 / math.sqrt(40))
-    small = v3dcad.fill(samples / "bracket.step", layer_height=8.0)
-    assert small.settings.cell_size == pytest.approx(math.sqrt(60 * 40 / 40))
+    for size, expected in (((60, 40, 9), math.sqrt(60)), ((200, 200, 9), 15), ((9, 9, 9), 3)):
+        made = v3dcad.fill(Box(*size), layer_height=3.0)
+        assert made.settings.cell_size == pytest.approx(expected)
+    tiny = v3dcad.fill(Box(1, 1, 2), layer_height=0.5)
+    assert tiny.settings.cell_size == pytest.approx(2, rel=0.3), "as large as the part at most"
+
+
+def test_what_sites_weigh(bracket: Structure) -> None:
+    """The slice law: squared distance in the stretched space, less what is common to all."""
+    stretch = bracket.settings.stretch
+    assert isinstance(stretch, float)
+    for layer in bracket.layers:
+        x, y, z = layer.state.sites.T
+        assert layer.state.growth == pytest.approx(2 * z / stretch**2, rel=1e-9)
+        expected = (2 * layer.z * z - z * z) / stretch**2
+        assert layer.state.weights == pytest.approx(expected, rel=1e-6, abs=1e-3)
+        ends = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
+        middle = ends.mean(axis=1)
+        beside = layer.diagram.edge_sites[layer.diagram.inner()]
+        far = [
+            (middle[:, 0] - x[k]) ** 2
+            + (middle[:, 1] - y[k]) ** 2
+            + ((layer.z - z[k]) / stretch) ** 2
+            for k in beside.T
+        ]
+        assert far[0] == pytest.approx(far[1], abs=1e-4)
