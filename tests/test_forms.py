@@ -21,7 +21,10 @@ from v3dcad import KernelError, SettingError, Structure
 from v3dcad.geometry.mesh.boolean import mesh_volume
 from v3dcad.geometry.solid.convex_cells import inset_cells
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:.* cells are wide. they close up"),
+]
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}
 
@@ -62,7 +65,8 @@ def test_cells_are_known_by_their_sites(structure: Structure) -> None:
         ends = diagram.vertices[diagram.edges[walls]]
         left = (ends[:, 1] - ends[:, 0]) @ [[0, 1], [-1, 0]]
         for side, beside in ((1, left), (0, -left)):
-            points = ends.mean(axis=1) + 1e-6 * beside / np.hypot(*left.T)[:, None]
+            # Farther than heights are snapped to the grid.
+            points = ends.mean(axis=1) + 1e-5 * beside / np.hypot(*left.T)[:, None]
             at_source = np.column_stack([points, np.full(len(points), z)])
             at_source = structure.placement.to_source(at_source)
             expected = diagram.edge_sites[walls, side]
@@ -289,12 +293,12 @@ def test_the_thesis_has_no_walls_in_space() -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(0.01, 0.05), (0.02, 0.4), (2.0, 40.0)])
-def test_walls_of_tiny_slender_parts_go_on_above_the_top(width: float, height: float) -> None:
-    """A whole mm more is 20 times the height of some, and once was out of the safe range."""
-    slender = v3dcad.fill(Box(width, width, height), cell_size=width / 3, layer_height=height / 50)
+def test_tiny_and_slender_parts_have_walls_to_the_top(width: float, height: float) -> None:
+    part = Box(width, width, height)
+    slender = v3dcad.fill(part, cell_size=width / 3, layer_height=height / 50)
     facets = slender.facets()
-    above = min(1.0, height)
-    assert facets.points[:, 2].max() == pytest.approx(height + above)
+    assert facets.points[:, 2].min() <= height * 1e-9
+    assert facets.points[:, 2].max() >= height * (1 - 1e-9)
     assert len(facets) >= len(slender.walls.tilts) > 20
 
 

@@ -11,7 +11,10 @@ from build123d import Box, BuildPart, Color, Locations, Mode, Pos
 from v3dcad.adapters.build123d import VoronoiFill
 from v3dcad.errors import SettingError
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:.* cells are wide. they close up"),
+]
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}
 

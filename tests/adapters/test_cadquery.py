@@ -9,7 +9,10 @@ cadquery = cadquery_or_skip()
 
 import v3dcad.adapters.cadquery  # noqa: E402
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:.* cells are wide. they close up"),
+]
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}
 
