@@ -46,7 +46,7 @@ def foam_for(
 def auto_cell_size(low: Floats, high: Floats) -> float:
     """The cell size, mm, for a part in a box that nobody gave one for."""
     size = high - low
-    return float(min(max(np.sqrt(size[0] * size[1] / CELLS), LEAST), MOST, size.max()))
+    return float(min(max(np.sqrt(size[0] * size[1] / CELLS), LEAST), MOST, size[:2].max()))
 
 
 def settled_stretch(settings: FillSettings) -> float:
