@@ -203,14 +203,14 @@ def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> No
 
 def test_walls_with_welded_corners_are_sound() -> None:
     """Corners at events are equal but for rounding, and so lie a bit off their walls' planes."""
-    exact, places = case(20).walls(), case(20).sites
+    exact = case(20).walls()
     blurred = exact.points[exact.corners]
     blurred += np.random.default_rng(9).uniform(-2e-6, 2e-6, blurred.shape)
-    walls = welded_facets(exact.sites, blurred, exact.starts, places)
+    walls = welded_facets(exact.sites, blurred, exact.starts)
     assert len(walls) == len(exact)
     assert len(walls.points) == len(exact.points)
     assert walls.slack.max() > 1e-6
-    vertices = subshapes(compound(wall_faces(walls)), TopAbs_VERTEX)
+    vertices = subshapes(compound(wall_faces(walls, np.arange(len(walls))).values()), TopAbs_VERTEX)
     tolerances = [BRep_Tool.Tolerance_s(TopoDS.Vertex_s(vertex)) for vertex in vertices]
     assert max(tolerances) >= walls.slack.max(), "a vertex holds all corners welded into it"
     cells, _ = cut_cells(block(), walls, SHIFT)

@@ -30,27 +30,33 @@ from scipy.sparse.csgraph import connected_components
 from v3dcad.geometry.solid.convex_cells import Polyhedron
 from v3dcad.geometry.solid.facets import Facets
 from v3dcad.kernel.shapes import EDGE, subshapes
-from v3dcad.model import Floats
+from v3dcad.model import Floats, Ints
 
 TOLERANCE = 1e-7
 FLAT = 1e-6
 """Times its width: a polygon of less height than this has no area to speak of."""
 
 
-def wall_faces(walls: Facets) -> list[TopoDS_Face]:
-    """One plane face for each wall that has an area."""
+def wall_faces(walls: Facets, wanted: Ints) -> dict[int, TopoDS_Face]:
+    """A plane face for each wanted wall (k,) that has an area, by its number."""
     corners = _Corners(walls.points, TOLERANCE + walls.slack)
     rings = np.split(walls.corners, walls.starts[1:-1])
-    faces = (corners.face(ring.tolist()) for ring in rings if len(ring))
-    return [face for face in faces if face is not None]
+    faces = {wall: corners.face(rings[wall].tolist()) for wall in wanted.tolist()}
+    return {wall: face for wall, face in faces.items() if face is not None}
 
 
 def convex_solid(polyhedron: Polyhedron) -> TopoDS_Solid:
     """A convex polyhedron as a solid of one shell."""
     corners = _Corners(polyhedron.points, np.full(len(polyhedron.points), TOLERANCE))
-    builder, solid = BRep_Builder(), TopoDS_Solid()
+    return solid_within(face for face in map(corners.face, polyhedron.faces) if face)
+
+
+def solid_within(faces: Iterable[TopoDS_Shape]) -> TopoDS_Solid:
+    """The solid within faces that close around it, turned outward."""
+    builder, solid, shell = BRep_Builder(), TopoDS_Solid(), shell_of(faces)
+    shell.Closed(True)
     builder.MakeSolid(solid)
-    builder.Add(solid, shell_of(face for face in map(corners.face, polyhedron.faces) if face))
+    builder.Add(solid, shell)
     return solid
 
 
