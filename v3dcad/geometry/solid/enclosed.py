@@ -48,9 +48,7 @@ def cell_walls(walls: Facets) -> CellWalls:
     owners = np.concatenate([first, second])
     order = np.argsort(owners, kind="stable")
     sites, begins = np.unique(owners[order], return_index=True)
-    return CellWalls(
-        sites, np.append(begins, len(order)), order % len(walls), order >= len(walls)
-    )
+    return CellWalls(sites, np.append(begins, len(order)), order % len(walls), order >= len(walls))
 
 
 def sides_of(walls: Facets, surface: Mesh, margin: float) -> Ints:
