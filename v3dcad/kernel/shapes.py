@@ -74,27 +74,21 @@ def volume(shape: TopoDS_Shape) -> float:
 
 def measured(shape: TopoDS_Shape) -> tuple[float, Floats]:
     """Volume of a shape's solids, mm³, and its centre (3,), mm."""
-    properties = _integrated(shape, BRepGProp.VolumeProperties_s)
+    properties = GProp_GProps()
+    accuracy = () if all(map(_is_polygon, subshapes(shape, FACE))) else (ACCURACY,)
+    BRepGProp.VolumeProperties_s(shape, properties, *accuracy)
     return float(properties.Mass()), np.array(properties.CentreOfMass().Coord())
 
 
 def area(shape: TopoDS_Shape) -> float:
     """Area of a shape's faces, mm²; faces that occur twice count twice."""
-    return float(_integrated(shape, BRepGProp.SurfaceProperties_s).Mass())
-
-
-def _integrated(shape: TopoDS_Shape, integrate: Any) -> GProp_GProps:
-    """An integral over a shape's faces: exact on polygons at once, on others to `ACCURACY`."""
-    polygons, others = [], []
+    polygons, others, properties = [], [], GProp_GProps()
     for face in subshapes(shape, FACE):
         (polygons if _is_polygon(face) else others).append(face)
-    total = GProp_GProps()
-    for faces, accuracy in ((polygons, ()), (others, (ACCURACY,))):
-        if faces:
-            properties = GProp_GProps()
-            integrate(compound(faces), properties, *accuracy)
-            total.Add(properties)
-    return total
+    BRepGProp.SurfaceProperties_s(compound(polygons), properties)
+    total = float(properties.Mass())
+    BRepGProp.SurfaceProperties_s(compound(others), properties, ACCURACY)
+    return total + float(properties.Mass())
 
 
 def _is_polygon(face: TopoDS_Shape) -> bool:
