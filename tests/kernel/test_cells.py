@@ -231,7 +231,7 @@ def box_of_foam(cell_size: float) -> tuple[Structure, Floats]:
 
 def test_cells_wholly_inside_are_scipys() -> None:
     """Volumes of Voronoi regions in the stretched space, where the box does not cut them."""
-    structure, places = box_of_foam(2.5)
+    structure, places = box_of_foam(2.0)
     squeezed = np.array([1, 1, 1 / structure.settings.stretch])
     diagram = Voronoi(places * squeezed)
     inside = 0
@@ -244,12 +244,12 @@ def test_cells_wholly_inside_are_scipys() -> None:
         assert len(cells) == 1
         assert is_valid(cells[0])
         assert volume_of(cells[0]) == pytest.approx(ConvexHull(corners).volume, rel=1e-9)
-    assert inside > 100
+    assert inside > 50
 
 
 def test_neighbours_share_their_faces() -> None:
     """Inside, across the border to those that OCCT cuts, and there: one face for two cells."""
-    structure, places = box_of_foam(3.0)
+    structure, _ = box_of_foam(3.0)
     cells = structure.cells_by_site()
     users: dict[int, set[int]] = {}
     known = TopTools_IndexedMapOfShape()

@@ -117,7 +117,9 @@ class _Space:
         self.faces = wall_faces(self.walls, np.flatnonzero(self.sides != OUTSIDE))
         """by number of wall: all that are not outside, and have an area"""
         if not self.faces:
-            raise KernelError("there are no walls: the part holds a single cell; give more sites")
+            raise KernelError(
+                "there are no walls inside the part: it holds a single cell; give smaller cells"
+            )
 
     def inside(self) -> NDArray[np.bool_]:
         """(f,) which walls are faces wholly inside."""

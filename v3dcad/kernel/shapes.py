@@ -82,7 +82,9 @@ def measured(shape: TopoDS_Shape) -> tuple[float, Floats]:
 
 def area(shape: TopoDS_Shape) -> float:
     """Area of a shape's faces, mm²; faces that occur twice count twice."""
-    polygons, others, properties = [], [], GProp_GProps()
+    polygons: list[TopoDS_Shape] = []
+    others: list[TopoDS_Shape] = []
+    properties = GProp_GProps()
     for face in subshapes(shape, FACE):
         (polygons if _is_polygon(face) else others).append(face)
     BRepGProp.SurfaceProperties_s(compound(polygons), properties)
