@@ -73,11 +73,13 @@ def power_walls(sites: Floats, growth: Floats, base: Floats, low: Floats, high: 
                 )
         if len(ring) < 3:
             continue
-        corners += where
+        around_middle = np.array(where) - np.mean(where, axis=0)
+        normal = np.cross(around_middle, np.roll(around_middle, -1, axis=0)).sum(axis=0)
+        corners += where if normal @ (places[j] - places[i]) > 0 else where[::-1]
         starts.append(len(corners))
         pairs.append((i, j))
     pairs_array = np.array(pairs, np.int64).reshape(-1, 2)
-    return welded_facets(pairs_array, np.reshape(corners, (-1, 3)), np.array(starts), sites)
+    return welded_facets(pairs_array, np.reshape(corners, (-1, 3)), np.array(starts))
 
 
 def _ring(links: list[tuple[int, int]]) -> list[int] | None:

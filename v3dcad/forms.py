@@ -16,7 +16,7 @@ import numpy as np
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.model import Floats, Ints, Layer, Mesh, Part, Placement
-from v3dcad.settings import FillSettings
+from v3dcad.settings import FillSettings, check_size
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
@@ -27,6 +27,10 @@ FORMS = ("wires", "faces", "cells", "solid", "struts", "beads")
 
 MESHES = ("walls", "solid", "struts", "beads")
 """What `write_stl` knows; all but the zero-thickness walls are closed meshes."""
+
+
+MARGIN = 1.0
+"""mm by which walls and cells reach beyond the part before they are cut to it."""
 
 
 class Forms(Protocol):
@@ -48,8 +52,8 @@ class Forms(Protocol):
         """What it was filled with."""
 
     @abstractmethod
-    def facets(self) -> Facets:
-        """The walls between cells in space, bed coordinates, from base to top.
+    def facets(self, beyond: float = 0.0) -> Facets:
+        """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
 
         Raises `SettingError` for the thesis's method: its cells jump from layer to layer.
         """
@@ -75,7 +79,7 @@ class Forms(Protocol):
         from v3dcad.kernel.cells import cut_walls
         from v3dcad.kernel.shapes import compound
 
-        return compound(cut_walls(self._solid(), self.facets(), self.placement))
+        return compound(cut_walls(self._solid(), self.facets(MARGIN), self.placement))
 
     def cells(self) -> list[Any]:
         """The cells inside the part as solids, neighbours sharing faces; they add up to it.
@@ -91,7 +95,7 @@ class Forms(Protocol):
         """
         from v3dcad.kernel.cells import cut_cells
 
-        cells, centres = cut_cells(self._solid(), self.facets(), self.placement)
+        cells, centres = cut_cells(self._solid(), self.facets(MARGIN), self.placement)
         # A cell is convex, and so holds the centre of every piece of it.
         sites = self.sites_at(centres)
         found: dict[int, list[Any]] = {}
@@ -103,7 +107,8 @@ class Forms(Protocol):
         """The part with walls of a thickness in place of its inside, and a closed skin if asked."""
         from v3dcad.kernel.cells import thick_walls
 
-        return thick_walls(self._solid(), self.facets(), self.placement, thickness, skin)
+        walls = self._thick(thickness)
+        return thick_walls(self._solid(), walls, self.placement, thickness, skin)
 
     def struts(self, diameter: float, *, cut: bool = False, fuse: bool = False) -> Any:
         """Cylinders along the lines where cells meet, spheres at their ends, as a compound.
@@ -144,7 +149,7 @@ class Forms(Protocol):
         from v3dcad.geometry.solid.convex_cells import hollows
 
         low, high = self.part.bounds
-        hollow = hollows(self.facets(), thickness, low - 1.0, high + 1.0)
+        hollow = hollows(self._thick(thickness), thickness, low - MARGIN, high + MARGIN)
         return self._at_source(subtracted(self.part.mesh(), [cell.mesh() for cell in hollow]))
 
     def bead_mesh(self, width: float) -> Mesh:
@@ -283,8 +288,13 @@ class Forms(Protocol):
         from v3dcad.geometry.solid.convex_cells import check_diameter
 
         facets, (low, high) = self.facets(), self.part.bounds
-        check_diameter(facets, diameter, low - 1.0, high + 1.0)
+        check_diameter(facets, diameter, low - MARGIN, high + MARGIN)
         return self.placement.to_source(facets.points), facets.struts()
+
+    def _thick(self, thickness: float) -> Facets:
+        """The walls of which something may lie in the part when they are that thick, mm."""
+        check_size("thickness", thickness)
+        return self.facets(MARGIN + thickness / 2)
 
     def _solid(self) -> Any:
         """The part's solids where the source lies."""

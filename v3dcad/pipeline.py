@@ -107,12 +107,12 @@ class Structure(Forms):
         """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
         return properties(self.layers, self.settings.layer_height, bead_width, density)
 
-    def facets(self) -> Facets:
-        """The walls between cells in space, bed coordinates, from the base to above the top.
+    def facets(self, beyond: float = 0.0) -> Facets:
+        """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
 
         Raises `SettingError` for the thesis's method, whose layers are not slices of such walls.
         """
-        return self.filling.facets(float(self.part.bounds[1, 2]) + self.settings.layer_height)
+        return self.filling.facets(self.part.bounds + beyond * np.array([[-1.0], [1.0]]))
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.

@@ -30,11 +30,15 @@ from occt import area_of, distinct, faces_of, is_valid, occurrences, solids_of, 
 from OCP.BRep import BRep_Tool
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_VERTEX
 from OCP.TopoDS import TopoDS, TopoDS_Shape
+from OCP.TopTools import TopTools_IndexedMapOfShape
 from one_diagram import power_diagram
+from scipy.spatial import ConvexHull, Voronoi
 from walls_oracle import power_walls
 
 import v3dcad
 from tests.kernel.exact import breaks, exact_area, integrated
+from tests.kernel.shapes import nist
+from v3dcad import Structure
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.geometry.solid.convex_cells import inset_cells
 from v3dcad.geometry.solid.facets import Facets, welded_facets
@@ -43,7 +47,7 @@ from v3dcad.kernel.cells import cut_cells, cut_walls, thick_walls
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.plane_faces import wall_faces
 from v3dcad.kernel.section import section_solids
-from v3dcad.kernel.shapes import SOLID, compound, subshapes, volume
+from v3dcad.kernel.shapes import SOLID, compound, measured, subshapes, volume
 from v3dcad.model import Floats, Placement, Section
 
 pytestmark = pytest.mark.slow
@@ -183,7 +187,7 @@ def test_volumes_of_round_parts_are_right(name: str) -> None:
 @pytest.mark.parametrize("name", ROUND)
 def test_cells_of_round_parts_add_up_and_are_sound(name: str) -> None:
     part = ROUND[name][0]()
-    structure = v3dcad.fill(part, sites=12, layer_height=1.0, offset=0.3)
+    structure = v3dcad.fill(part, cell_size=8, layer_height=1.0)
     cells = structure.cells()
     assert all(map(is_valid, cells))
     assert sum(map(volume_of, cells)) == pytest.approx(volume_of(part.wrapped), rel=1e-8)
@@ -195,7 +199,7 @@ def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> No
     """A wall's curve on the torus comes out as chords, 1e-4 mm off, and 5e-8 of the volume."""
     part = ROUND[name][0]()
     export_step(part, tmp_path / "part.step")
-    structure = v3dcad.fill(tmp_path / "part.step", sites=30, random_seed=seed)
+    structure = v3dcad.fill(tmp_path / "part.step", cell_size=6, random_seed=seed)
     cells = structure.cells()
     assert all(map(is_valid, cells))
     assert sum(map(volume_of, cells)) == pytest.approx(volume_of(part.wrapped), rel=1e-8)
@@ -203,20 +207,109 @@ def test_curves_that_occt_fits_badly(name: str, seed: int, tmp_path: Path) -> No
 
 def test_walls_with_welded_corners_are_sound() -> None:
     """Corners at events are equal but for rounding, and so lie a bit off their walls' planes."""
-    exact, places = case(20).walls(), case(20).sites
+    exact = case(20).walls()
     blurred = exact.points[exact.corners]
     blurred += np.random.default_rng(9).uniform(-2e-6, 2e-6, blurred.shape)
-    walls = welded_facets(exact.sites, blurred, exact.starts, places)
+    walls = welded_facets(exact.sites, blurred, exact.starts)
     assert len(walls) == len(exact)
     assert len(walls.points) == len(exact.points)
     assert walls.slack.max() > 1e-6
-    vertices = subshapes(compound(wall_faces(walls)), TopAbs_VERTEX)
+    vertices = subshapes(compound(wall_faces(walls, np.arange(len(walls))).values()), TopAbs_VERTEX)
     tolerances = [BRep_Tool.Tolerance_s(TopoDS.Vertex_s(vertex)) for vertex in vertices]
     assert max(tolerances) >= walls.slack.max(), "a vertex holds all corners welded into it"
     cells, _ = cut_cells(block(), walls, SHIFT)
     assert len(cells) == len(np.unique(exact.sites))
     assert all(map(is_valid, cells))
     assert all(map(is_valid, cut_walls(block(), walls, SHIFT)))
+
+
+def box_of_foam(cell_size: float) -> tuple[Structure, Floats]:
+    """A foam in a box, and its sites where the box lies."""
+    structure = v3dcad.fill(Box(20, 16, 12), cell_size=cell_size, layer_height=1.0)
+    return structure, structure.placement.to_source(structure.sites)
+
+
+def test_cells_wholly_inside_are_scipys() -> None:
+    """Volumes of Voronoi regions in the stretched space, where the box does not cut them."""
+    structure, places = box_of_foam(2.0)
+    squeezed = np.array([1, 1, 1 / structure.settings.stretch])
+    diagram = Voronoi(places * squeezed)
+    inside = 0
+    for site, cells in structure.cells_by_site().items():
+        region = diagram.regions[diagram.point_region[site]]
+        corners = diagram.vertices[region] / squeezed
+        if -1 in region or (np.abs(corners) > [10, 8, 6]).any():
+            continue
+        inside += 1
+        assert len(cells) == 1
+        assert is_valid(cells[0])
+        assert volume_of(cells[0]) == pytest.approx(ConvexHull(corners).volume, rel=1e-9)
+    assert inside > 50
+
+
+def test_neighbours_share_their_faces() -> None:
+    """Inside, across the border to those that OCCT cuts, and there: one face for two cells."""
+    structure, _ = box_of_foam(3.0)
+    cells = structure.cells_by_site()
+    users: dict[int, set[int]] = {}
+    known = TopTools_IndexedMapOfShape()
+    for site, (cell, *others) in cells.items():
+        assert not others
+        for face in faces_of(cell):
+            users.setdefault(known.Add(face), set()).add(site)
+    shared = {tuple(sorted(sites)) for sites in users.values() if len(sites) == 2}
+    assert max(map(len, users.values())) == 2
+    walls = structure.facets()
+    areas = np.linalg.norm(walls.vectors(), axis=1)
+    met = {tuple(pair) for pair in walls.sites[areas > 1e-6].tolist()}
+    assert met <= shared
+    assert shared <= {tuple(pair) for pair in structure.facets(1.0).sites.tolist()}
+    # What no two cells share is the box's surface.
+    alone = compound(known(number) for number, sites in users.items() if len(sites) == 1)
+    assert area_of(alone) == pytest.approx(2 * (20 * 16 + 16 * 12 + 12 * 20), rel=1e-9)
+    # And faces() are the shared ones.
+    both = compound(known(number) for number, sites in users.items() if len(sites) == 2)
+    assert area_of(structure.faces()) == pytest.approx(area_of(both), rel=1e-9)
+
+
+def shapes_with_voids() -> dict[str, Any]:
+    block = Box(24, 18, 14)
+    return {
+        "hole": block - Cylinder(4, 14),
+        "void": block - Sphere(5),
+        "small void": block - Pos(2, 1, 1) * Sphere(0.4),
+        "nested": block - Sphere(6) + Sphere(3),
+        "islands": Pos(-9, 0, 0) * Box(14, 18, 14) + Pos(9, 0, 0) * Cylinder(6, 14),
+        "turned": Rot(20, 35, 10) * (block - Cylinder(4, 14)),
+    }
+
+
+@pytest.mark.parametrize("name", ["hole", "void", "small void", "nested", "islands", "turned"])
+def test_cells_of_parts_with_voids_and_islands(name: str) -> None:
+    part = shapes_with_voids()[name]
+    structure = v3dcad.fill(part, cell_size=3, layer_height=1.0)
+    cells = structure.cells_by_site()
+    every = [cell for pieces in cells.values() for cell in pieces]
+    assert all(map(is_valid, every))
+    assert sum(map(volume_of, every)) == pytest.approx(volume_of(part.wrapped), rel=1e-8)
+    for site, pieces in cells.items():
+        assert set(structure.sites_at([measured(piece)[1] for piece in pieces])) == {site}
+    shells = structure.faces()
+    assert is_valid(shells)
+    assert len(faces_of(shells)) == occurrences(shells, TopAbs_FACE)
+    # Each wall has a cell on either side: all faces of cells are twice the walls and the surface.
+    assert sum(map(area_of, every)) == pytest.approx(
+        2 * area_of(shells) + area_of(part.wrapped), rel=1e-8
+    )
+
+
+@pytest.mark.parametrize("name", ["ctc_01_asme1_rd", "ftc_06_asme1_rd"])
+def test_cells_of_real_parts_add_up(name: str) -> None:
+    part = nist(name)
+    structure = v3dcad.fill(part, cell_size=60, layer_height=10.0)
+    cells = structure.cells()
+    assert all(map(is_valid, cells))
+    assert sum(map(volume_of, cells)) == pytest.approx(volume_of(part), rel=1e-6)
 
 
 def test_a_loss_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepOffset import BRepOffset_Skin
 from OCP.BRepOffsetAPI import BRepOffsetAPI_MakeOffsetShape
 from OCP.GeomAbs import GeomAbs_Intersection
-from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Shell, TopoDS_Solid
+from OCP.TopAbs import TopAbs_REVERSED
+from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Shell, TopoDS_Solid
+from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError
 from v3dcad.geometry.solid.convex_cells import hollows
+from v3dcad.geometry.solid.enclosed import (
+    INSIDE,
+    NEAR,
+    OUTSIDE,
+    CellWalls,
+    sides_of,
+    volumes_and_middles,
+    whole_cells,
+)
 from v3dcad.geometry.solid.facets import Facets
 from v3dcad.kernel.booleans import common, cut, split
-from v3dcad.kernel.plane_faces import connected_shells, convex_solid, wall_faces
+from v3dcad.kernel.mesh import triangle_mesh
+from v3dcad.kernel.part import MESH_SAG, MESH_TURN
+from v3dcad.kernel.plane_faces import connected_shells, convex_solid, solid_within, wall_faces
 from v3dcad.kernel.shapes import (
     FACE,
     SOLID,
@@ -39,44 +55,115 @@ LOSS = 1e-6
 edges that are off their faces by hundredths of a millimetre (NIST's: 6e-7)."""
 
 
+CLEAR = 2 * MESH_SAG
+"""mm; what stays so far from the part's triangles stays inside its true surface."""
+
+
 def cut_walls(solid: TopoDS_Shape, walls: Facets, placement: Placement) -> list[TopoDS_Shell]:
     """The walls inside a solid: plane faces that share their edges, a shell for each piece.
 
-    Solid and result lie where the source lies. Raises `KernelError` where there are no walls, or
-    where OCCT finds none of them inside.
+    Walls wholly inside go in as they are; OCCT cuts the others. Solid and result lie where the
+    source lies. Raises `KernelError` where there are no walls, or where OCCT finds none inside.
     """
-    faces = _faces(walls, placement)
-    inside = common([compound(faces)], [solid])
-    found = [TopoDS.Face_s(face) for face in subshapes(inside, FACE)]
-    if not found or not 0 < area(inside) <= area(compound(faces)) * (1 + 1e-9):
-        raise KernelError(
-            "OCCT found no walls inside the part; change a site or the offset slightly"
-        )
+    space = _Space(solid, walls, placement)
+    found = [face for wall, face in space.faces.items() if space.sides[wall] == INSIDE]
+    crossing = [face for wall, face in space.faces.items() if space.sides[wall] == NEAR]
+    if crossing:
+        inside = common([compound(crossing)], [solid])
+        if not area(inside) <= area(compound(crossing)) * (1 + 1e-9):
+            raise KernelError("OCCT made walls larger than they are; change a site slightly")
+        found += [TopoDS.Face_s(face) for face in subshapes(inside, FACE)]
+    if not found:
+        raise KernelError("OCCT found no walls inside the part; change a site slightly")
     return connected_shells(found)
 
 
 def cut_cells(
     solid: TopoDS_Shape, walls: Facets, placement: Placement
 ) -> tuple[list[TopoDS_Shape], Floats]:
-    """The cells as solids, neighbours sharing their faces, and their centres of mass (k, 3), mm.
+    """The cells as solids, neighbours sharing their faces, and a point (k, 3) inside each, mm.
 
-    The part is split by its walls; what it leaves of a cell may be several solids. Raises
-    `KernelError` where they do not add up to the part (to `LOSS` of its volume, or a hundredth of
-    that where OCCT can).
+    Cells wholly inside the part are built of their walls. Their union is one of the pieces that
+    the walls of the others part the part into; what else OCCT leaves of a cell may be several
+    solids. Raises `KernelError` where all do not add up to the part (to `LOSS` of its volume, or a
+    hundredth of that where OCCT can).
     """
-    tool, whole = compound(_faces(walls, placement)), volume(solid)
-    pieces = _pieces(solid, tool)
-    if pieces.miss(whole) > LOSS / 100:
+    space, whole = _Space(solid, walls, placement), volume(solid)
+    cells = whole_cells(space.walls, space.inside(), space.surface)
+    volumes, middles = volumes_and_middles(space.walls, cells)
+    around, tool = space.rim(cells), compound(space.parting(cells))
+    left = whole - float(volumes.sum())
+    pieces = _pieces(solid, tool, around)
+    if pieces.miss(left) > LOSS / 100 * whole:
         # Where a wall crosses a wide round face, OCCT may fit the curve badly: with quarters of
         # such faces it does better, at the price of seams between them.
-        others = _pieces(quartered(solid), tool)
-        pieces = min(pieces, others, key=lambda some: (not some.are_sound(), some.miss(whole)))
-    if not pieces.miss(whole) <= LOSS:
+        others = _pieces(quartered(solid), tool, around)
+        pieces = min(pieces, others, key=lambda some: (not some.are_sound(), some.miss(left)))
+    if not pieces.miss(left) <= LOSS * whole:
         raise KernelError(
-            f"OCCT's cells add up to {sum(pieces.volumes):.10g} mm³, the part to {whole:.10g}; "
-            "change a site or the offset slightly, or write thick walls (solid) instead"
+            f"OCCT's cells add up to {whole - left + sum(pieces.volumes):.10g} mm³, the part to "
+            f"{whole:.10g}; change a site slightly, or write thick walls (solid) instead"
         )
-    return pieces.solids, np.array(pieces.centres)
+    return [*space.solids(cells), *pieces.solids], np.vstack([middles, *pieces.centres])
+
+
+class _Space:
+    """The walls of a foam beside a part, and which of them lie inside it."""
+
+    def __init__(self, solid: TopoDS_Shape, walls: Facets, placement: Placement) -> None:
+        self.walls = walls.moved(placement.to_source(walls.points))
+        self.surface = triangle_mesh(solid, MESH_SAG, MESH_TURN)
+        self.sides = sides_of(self.walls, self.surface, CLEAR)
+        self.faces = wall_faces(self.walls, np.flatnonzero(self.sides != OUTSIDE))
+        """by number of wall: all that are not outside, and have an area"""
+        if not self.faces:
+            raise KernelError(
+                "there are no walls inside the part: it holds a single cell; give smaller cells"
+            )
+
+    def inside(self) -> NDArray[np.bool_]:
+        """(f,) which walls are faces wholly inside."""
+        made = np.zeros(len(self.walls), np.bool_)
+        made[list(self.faces)] = True
+        return made & (self.sides == INSIDE)
+
+    def parting(self, cells: CellWalls) -> list[TopoDS_Face]:
+        """The faces that are not between two of the given cells."""
+        uses = np.bincount(cells.walls, minlength=len(self.walls))
+        return [face for wall, face in self.faces.items() if uses[wall] < 2]
+
+    def rim(self, cells: CellWalls) -> _Rim:
+        """The faces around the given cells."""
+        uses = np.bincount(cells.walls, minlength=len(self.walls))
+        alone = uses[cells.walls] == 1
+        rim = _Rim(TopTools_IndexedMapOfShape(), cells.turned[alone].tolist())
+        for wall in cells.walls[alone].tolist():
+            rim.faces.Add(self.faces[wall])
+        return rim
+
+    def solids(self, cells: CellWalls) -> Iterator[TopoDS_Solid]:
+        """The given cells, built of their walls."""
+        for begin, end in pairwise(cells.starts.tolist()):
+            turned = zip(cells.walls[begin:end].tolist(), cells.turned[begin:end], strict=True)
+            yield solid_within(
+                self.faces[wall].Reversed() if back else self.faces[wall] for wall, back in turned
+            )
+
+
+class _Rim(NamedTuple):
+    """The faces around some cells."""
+
+    faces: TopTools_IndexedMapOfShape
+    turned: list[bool]
+    """by a face's number from 0: whether its normal points into the cells"""
+
+    def holds(self, piece: TopoDS_Shape) -> bool:
+        """Whether a piece that OCCT made is made of these cells."""
+        for face in subshapes(piece, FACE):
+            number = self.faces.FindIndex(face)
+            if number:
+                return bool((face.Orientation() == TopAbs_REVERSED) == self.turned[number - 1])
+        return False
 
 
 class _Pieces(NamedTuple):
@@ -87,16 +174,18 @@ class _Pieces(NamedTuple):
     centres: list[Floats]
 
     def miss(self, whole: float) -> float:
-        """How far off the whole part's volume the pieces' sum is, as a share of it."""
-        return abs(sum(self.volumes) - whole) / whole
+        """How far off a volume, mm³, the sum of theirs is."""
+        return abs(sum(self.volumes) - whole)
 
     def are_sound(self) -> bool:
         """Whether OCCT finds no fault in them."""
         return bool(BRepCheck_Analyzer(compound(self.solids)).IsValid())
 
 
-def _pieces(solid: TopoDS_Shape, tool: TopoDS_Shape) -> _Pieces:
-    solids = list(subshapes(split([solid], [tool]), SOLID))
+def _pieces(solid: TopoDS_Shape, tool: TopoDS_Shape, rim: _Rim) -> _Pieces:
+    """The pieces of a solid split by a tool, but for those of the cells that have been built."""
+    pieces = subshapes(split([solid], [tool]), SOLID)
+    solids = [piece for piece in pieces if not rim.holds(piece)]
     found = [measured(piece) for piece in solids]
     return _Pieces(solids, [size for size, _ in found], [centre for _, centre in found])
 
@@ -138,10 +227,3 @@ def _core(body: TopoDS_Solid, skin: float) -> TopoDS_Shape:
             f"OCCT cannot offset the part by a skin of {skin:g} mm; give a thinner one or none"
         )
     return core
-
-
-def _faces(walls: Facets, placement: Placement) -> list[TopoDS_Shape]:
-    faces = wall_faces(walls.moved(placement.to_source(walls.points)))
-    if not faces:
-        raise KernelError("there are no walls: the part has a single cell; give more sites")
-    return list(faces)

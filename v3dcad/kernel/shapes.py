@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
+from OCP.GeomAbs import GeomAbs_Line, GeomAbs_Plane
 from OCP.gp import gp_Trsf
 from OCP.GProp import GProp_GProps
 from OCP.ShapeFix import ShapeFix_Shape
@@ -18,7 +20,7 @@ from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
+from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Shape
 
 from v3dcad.model import Floats, Placement
 
@@ -29,8 +31,9 @@ TOLERANCE = 1e-7
 
 ACCURACY = 1e-12
 """Relative error at which OCCT's adaptive integration may stop. Without one it takes a fixed Gauss
-rule for each face: a fillet's volume comes out 2e-6 wrong, a spline loft's 1 %. With 1e-9 it
-stops too early on surfaces of revolution (4e-7)."""
+rule for each face, which is exact for polygons, and ten times quicker: but a fillet's volume comes
+out 2e-6 wrong, a spline loft's 1 %. With 1e-9 it stops too early on surfaces of revolution
+(4e-7)."""
 
 
 def subshapes(shape: TopoDS_Shape, kind: Any, outside: Any = None) -> Iterator[TopoDS_Shape]:
@@ -75,15 +78,30 @@ def volume(shape: TopoDS_Shape) -> float:
 def measured(shape: TopoDS_Shape) -> tuple[float, Floats]:
     """Volume of a shape's solids, mm³, and its centre (3,), mm."""
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties, ACCURACY)
+    accuracy = () if all(map(_is_polygon, subshapes(shape, FACE))) else (ACCURACY,)
+    BRepGProp.VolumeProperties_s(shape, properties, *accuracy)
     return float(properties.Mass()), np.array(properties.CentreOfMass().Coord())
 
 
 def area(shape: TopoDS_Shape) -> float:
     """Area of a shape's faces, mm²; faces that occur twice count twice."""
+    polygons: list[TopoDS_Shape] = []
+    others: list[TopoDS_Shape] = []
     properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties, ACCURACY)
-    return float(properties.Mass())
+    for face in subshapes(shape, FACE):
+        (polygons if _is_polygon(face) else others).append(face)
+    BRepGProp.SurfaceProperties_s(compound(polygons), properties)
+    total = float(properties.Mass())
+    BRepGProp.SurfaceProperties_s(compound(others), properties, ACCURACY)
+    return total + float(properties.Mass())
+
+
+def _is_polygon(face: TopoDS_Shape) -> bool:
+    """Whether a face is plane and its edges are straight."""
+    return BRepAdaptor_Surface(TopoDS.Face_s(face), False).GetType() == GeomAbs_Plane and all(
+        BRepAdaptor_Curve(TopoDS.Edge_s(edge)).GetType() == GeomAbs_Line
+        for edge in subshapes(face, EDGE)
+    )
 
 
 def quartered(shape: TopoDS_Shape) -> TopoDS_Shape:

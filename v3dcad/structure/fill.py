@@ -118,9 +118,9 @@ class Filling:
         """The lines where three cells meet, cut like the walls."""
         return self.space(*self._extent()).strut_axes()
 
-    def facets(self, top: float) -> Facets:
-        """The walls with shared corners, from the first layer to a height above the last, mm."""
-        return self.space(self._extent()[0], top).facets()
+    def facets(self, box: Floats) -> Facets:
+        """The walls with shared corners in a box (2, 3), mm."""
+        return space_of(self.foam, box).facets()
 
     def _extent(self) -> tuple[float, float]:
         if not len(self._heights):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
@@ -13,8 +12,8 @@ from scipy.spatial import KDTree
 from v3dcad.model import Floats, Ints, Value
 
 WELD = 1e-5
-"""mm; corners this close are one, and an edge this short is none. The corners at an event of the
-structure (a flip, a birth) come from different triangles, equal but for rounding."""
+"""mm; corners this close are one, and an edge this short is none. Each wall is computed by
+itself, so that the corners of neighbours are equal but for rounding."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,12 +60,12 @@ class Facets(Value):
         return np.asarray(found[uses > 2])
 
 
-def welded_facets(sites: Ints, points: Floats, starts: Ints, sites_at: Floats) -> Facets:
+def welded_facets(sites: Ints, points: Floats, starts: Ints) -> Facets:
     """Polygons (f), given one by one, with their corners shared.
 
-    `sites` (f, 2), i < j, lie on the two sides of each, at the points `sites_at` (n, 2), mm;
-    `points` (c, 3), mm, are the corners, `starts` (f + 1,) where each polygon begins. Corners may
-    run either way. Polygons that shrink to less than a triangle are left out.
+    `sites` (f, 2), i < j, lie on the two sides of each; `points` (c, 3), mm, are the corners,
+    counter-clockwise seen from j, `starts` (f + 1,) where each polygon begins. Polygons that
+    shrink to less than a triangle are left out.
     """
     if not len(points):
         none = np.empty((0, 2), np.int64)
@@ -82,24 +81,13 @@ def welded_facets(sites: Ints, points: Floats, starts: Ints, sites_at: Floats) -
     kept &= np.bincount(polygon[kept], minlength=len(sites))[polygon] > 2
     counts = np.bincount(polygon[kept], minlength=len(sites))
     left = counts > 0
-    found = Facets(
+    return Facets(
         points[first],
         slack,
         group[kept].astype(np.int64),
         np.concatenate([[0], np.cumsum(counts[left])]),
         sites[left],
     )
-    across = sites_at[found.sites[:, 1]] - sites_at[found.sites[:, 0]]
-    return _turned(found, (found.vectors()[:, :2] * across).sum(axis=1) < 0)
-
-
-def _turned(walls: Facets, backwards: NDArray[np.bool_]) -> Facets:
-    """The walls, some of them (f,) the other way round."""
-    polygon = np.repeat(np.arange(len(walls)), np.diff(walls.starts))
-    index = np.arange(len(polygon))
-    mirrored = walls.starts[:-1][polygon] + walls.starts[1:][polygon] - 1 - index
-    corners = walls.corners[np.where(backwards[polygon], mirrored, index)]
-    return Facets(walls.points, walls.slack, corners, walls.starts, walls.sites)
 
 
 def _following(starts: Ints) -> Ints:

@@ -40,7 +40,7 @@ class Space(Value):
 
     def facets(self) -> Facets:
         """The walls with shared corners."""
-        return welded_facets(self.sites, self.points, self.starts, self.places)
+        return welded_facets(self.sites, self.points, self.starts)
 
     def strut_axes(self) -> StrutAxes:
         """The lines where three walls meet."""

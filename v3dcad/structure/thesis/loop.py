@@ -155,7 +155,7 @@ class ThesisFilling:
         """Refused, like the walls."""
         raise _no_space("strut axes")
 
-    def facets(self, top: float) -> NoReturn:
+    def facets(self, box: Floats) -> NoReturn:
         """Refused, like the walls."""
         raise _no_space("walls")
 
