@@ -143,7 +143,7 @@ def sizes(path: Path) -> dict[str, int]:
 
 def measure(name: str, folder: Path) -> dict[str, dict[str, float]]:
     make, settings, _ = PARTS[name]
-    structure = v3dcad.fill(make(), **settings)
+    structure = v3dcad.fill(make(), method="thesis", **settings)
     found: dict[str, dict[str, float]] = {}
     for boundary in ("exact", "stl"):
         path = folder / f"part.{boundary}.ont"

@@ -27,8 +27,9 @@ from v3dcad.structure.foam.tile import TAU_SQUARED, stretch_for
 
 SHARE = 0.15
 POISSON = 0.3
-TOLERANCE = 1e-4
-"""Of the residual; tried: 1e-5 changes the moduli by 0.5 %."""
+TOLERANCE = 1e-5
+"""Of the residual. At 1e-6 columns are up to 0.6 % softer; at 1e-4 they seem up to 1.8 times as
+stiff as they are, since a soft body converges late."""
 
 FOAM_SIDE = 4.0
 """In radii: 45 cells. The relaxer takes no smaller box."""
@@ -161,13 +162,13 @@ def compare(quick: bool) -> tuple[list[float], list[float]]:
     stretch = stretch_for(45.0)
     print(f"{'walls':>16} {'voxels thick':>13} {'share':>6} {'E x':>8} {'E y':>8} {'E z':>8}")
     stiff, soft = [], []
-    for seed, across in [(1, 64), (1, 96), (2, 96)] + ([] if quick else [(1, 128)]):
+    for seed, across in [(1, 64), (1, 96)] + ([] if quick else [(2, 96), (1, 128)]):
         voxel, (places, box) = FOAM_SIDE / across, foam(seed)
         shape = (across, across, round(across * stretch))
         stiff.append(
             row(f"foam, seed {seed}", wall_distances(places, box, stretch, voxel, shape), voxel)
         )
-    for seed, across in [(1, 128), (1, 256), (2, 256), (3, 256)] + ([] if quick else [(1, 512)]):
+    for seed, across in [(1, 128), (1, 256), (2, 256)] + ([] if quick else [(3, 256), (1, 384)]):
         places, box = columns(seed)
         voxel = box[0] / across
         shape = (across, across, 1)
