@@ -124,23 +124,29 @@ def slowly(layer: Layer) -> object:
     return cut, oracle.cut_cells(area, oracle.power_cells(len(sites), corners, vertices))
 
 
+def loop_times(outline: str, cells: int, layers: int) -> tuple[float, float]:
+    """Seconds for all layers by the engine, and by scipy and shapely."""
+    filling = filled(outline, cells, layers)
+    some = max(1, layers // SLOW_LAYERS)
+    chosen = [layer for layer in filling.layers if layer.index % some == 0]
+    # By turns, since the machine's speed wanders.
+    turns = [
+        (
+            seconds(lambda: [x.index for x in filling.layers], 1),
+            seconds(lambda: [*map(slowly, chosen)], 1),
+        )
+        for _ in range(3 if cells > 1000 else 5)
+    ]
+    fast, slow = np.min(turns, axis=0)
+    return float(fast), float(slow) * layers / len(chosen)
+
+
 def layer_loop(quick: bool) -> None:
     print("\nlayer loop, sites given  against  scipy + shapely")
     print(f"{'case':>8} {'cells':>6} {'layers':>6} {'engine ms':>10} {'slow ms':>10} {'ratio':>6}")
     for name, cells, layers, outline in CASES:
         layers = min(layers, 100) if quick else layers
-        filling = filled(outline, cells, layers)
-        some = max(1, layers // SLOW_LAYERS)
-        chosen = [layer for layer in filling.layers if layer.index % some == 0]
-        # By turns, since the machine's speed wanders.
-        turns = [
-            (
-                seconds(lambda filling=filling: [x.index for x in filling.layers], 1),
-                seconds(lambda chosen=chosen: [*map(slowly, chosen)], 1),
-            )
-            for _ in range(3 if cells > 1000 else 5)
-        ]
-        fast, slow = np.min(turns, axis=0) * [1, layers / len(chosen)]
+        fast, slow = loop_times(outline, cells, layers)
         print(
             f"{name:>8} {cells:6} {layers:6} {fast * 1e3:10.2f} {slow * 1e3:10.0f} "
             f"{slow / fast:6.0f}",
@@ -148,16 +154,15 @@ def layer_loop(quick: bool) -> None:
         )
 
 
-def memory() -> None:
-    print("\nmemory, 4,000 cells a section × 5,000 layers, in a process of its own")
+def peak_memory(cells: int, layers: int) -> float:
+    """The peak memory, MB, of going through some layers, in a process of its own."""
     code = (
         "import resource; from benchmarks.engine import filled; "
-        "print(sum(1 for _ in filled('square', 4000, 5000).layers), "
+        f"print(sum(1 for _ in filled('square', {cells}, {layers}).layers), "
         "resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    layers, peak = out.stdout.split()
-    print(f"{layers} layers, peak {float(peak):.0f} MB")
+    return float(out.stdout.split()[1])
 
 
 def exponents(quick: bool) -> None:
@@ -228,7 +233,7 @@ def main() -> None:
     one_diagram([50, 300, 1000, 4000, 7000, 50_000] + ([] if quick else [1_000_000]))
     exponents(quick)
     if not quick:
-        memory()
+        print(f"\npeak memory, 4,000 cells × 5,000 layers: {peak_memory(4000, 5000):.0f} MB")
     start()
 
 

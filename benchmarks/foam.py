@@ -1,7 +1,8 @@
-"""How even the foam's cells are, and how long sites take: `python -m benchmarks.foam [--quick]`.
+"""The foam's figures, each beside what it must be: `python -m benchmarks.foam [--quick]`.
 
 Sections are those of qhull: the diagram of sites at a height is a power diagram, whose triangles
 are the lower hull of the lifted sites. They are uncut: one period of the tile, each cell once.
+`--quick` leaves out what takes minutes: a million sites, the layer loop, memory, stiffness.
 """
 
 from __future__ import annotations
@@ -13,9 +14,15 @@ from math import sqrt
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from benchmarks import stiffness
+from benchmarks.engine import loop_times, peak_memory
+from benchmarks.sampling import distances_below
 from v3dcad.geometry.voronoi.cells import voronoi_cells
 from v3dcad.geometry.voronoi.measures import extents
 from v3dcad.geometry.voronoi.steepest import steepest_wall
+from v3dcad.model import Section
+from v3dcad.settings import FillSettings
+from v3dcad.structure.fill import fill_sections
 from v3dcad.structure.foam.tile import (
     SIZE,
     TAU_SQUARED,
@@ -28,6 +35,15 @@ from v3dcad.structure.foam.tile import (
 HEIGHTS = 20
 ANGLES = (30.0, 45.0, 60.0)
 SEEDS = range(5)
+
+PART, CELL, LAYER, PAIRS, SPACING = 100.0, 6.0, 0.2, 25, 0.05
+"""mm: a cube, its cells and layers, how many pairs of layers are looked at, and points how far
+apart on their walls."""
+
+
+def row(what: str, must: str, aim: str, measured: str) -> None:
+    """Print a row of the table."""
+    print(f"| {what} | {must} | {aim} | {measured} |", flush=True)
 
 
 def section_areas(sites: np.ndarray, height: float) -> np.ndarray:
@@ -71,13 +87,14 @@ def evenness(foam: Pattern) -> None:
         spreads.append(areas.std() / areas.mean())
         largest.append(areas.max() / areas.mean())
         counts.append(len(areas))
-    numbers = np.array(counts) / np.mean(counts)
-    asked = np.mean(counts) / (side * foam.pitch) ** 2
-    print(f"sections of {min(counts)} … {max(counts)} cells at {HEIGHTS} heights")
-    print(f"  CV of areas        {np.mean(spreads):.3f} on average, {max(spreads):.3f} at most")
-    print(f"  largest ÷ mean     {max(largest):.2f}")
-    print(f"  cells a mm² over heights  {numbers.min() - 1:+.1%} … {numbers.max() - 1:+.1%}")
-    print(f"  cells a mm² ÷ asked       {asked:.4f}")
+    numbers = np.array(counts) / np.mean(counts) - 1
+    size = side * foam.pitch / sqrt(np.mean(counts))
+    cells = f"sections of {min(counts):,} to {max(counts):,} cells at {HEIGHTS} heights"
+    told = f"{np.mean(spreads):.3f} on average, {max(spreads):.3f} at most"
+    row(f"{cells}: CV of areas", "≤ 0.72", "0.6", told)
+    row("the same: largest ÷ mean area", "≤ 3.5", "2.5", f"{max(largest):.2f}")
+    row("cells a mm² over heights", "± 3 %", "", f"{numbers.min():+.1%} … {numbers.max():+.1%}")
+    row("measured ÷ asked cell size", "± 2 %", "", f"{size - 1:+.2%}")
 
 
 def shapes(foam: Pattern) -> None:
@@ -88,8 +105,9 @@ def shapes(foam: Pattern) -> None:
     low, top = extents(voronoi_cells(sites, wanted))
     size = top - low
     ratio = sqrt(TAU_SQUARED) * size[:, 2] / size[:, :2].mean(axis=1)
-    print(f"stretch at 45°       {stretch_for(45):.3f}")
-    print(f"height ÷ width       {ratio.mean():.2f}, {np.quantile(ratio, 0.95):.2f} for 5 %")
+    told = f"{ratio.mean():.2f} on average, {np.quantile(ratio, 0.95):.2f} for the tallest 5 %"
+    row("default stretch at θ = 45°", "≤ 1.42", "1.25", f"{stretch_for(45):.3f}")
+    row("height ÷ width of cells", "≤ 1.6", "1.35", told)
 
 
 def overhang(width: float) -> None:
@@ -103,7 +121,24 @@ def overhang(width: float) -> None:
             least = min(least, int(((sites >= 0) & (sites <= high)).all(axis=1).sum()))
             worst = max(worst, steepest_wall(sites, np.zeros(3, np.int64), high).tau)
         lean = np.degrees(np.arctan(worst / stretch))
-        print(f"θ {angle:.0f}°, stretch {stretch:.3f}: steepest wall {lean:.2f}°, ≥ {least} cells")
+        told = f"{lean:.2f}° at a stretch of {stretch:.3f}"
+        what = f"steepest wall of parts of ≥ {least:,} cells, {len(SEEDS)} seeds"
+        row(what, f"≤ {angle:.0f}°", "", told)
+
+
+def support() -> None:
+    """Print how far points on walls lie from walls and contours of the layer below, sampled."""
+    ring = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * PART
+    lower = (np.arange(PAIRS) + 0.5) / PAIRS * PART
+    sections = [Section(z, (ring,)) for low in lower for z in (low, low + LAYER)]
+    for angle in ANGLES:
+        settings = FillSettings(layer_height=LAYER, cell_size=CELL, max_overhang=angle)
+        layers = list(fill_sections(sections, None, settings).layers)
+        pairs = zip(layers[::2], layers[1::2], strict=True)
+        far = np.concatenate([distances_below(layer, below, SPACING) for below, layer in pairs])
+        told = f"{far.max():.4f} mm ({len(far):,} points)"
+        must = f"≤ {LAYER * np.tan(np.radians(angle)):.4f} mm"
+        row(f"farthest point of a wall from the layer below, θ = {angle:.0f}°", must, "", told)
 
 
 def times(widths: list[float]) -> None:
@@ -116,7 +151,18 @@ def times(widths: list[float]) -> None:
         found = time.process_time()
         steepest_wall(sites, np.zeros(3, np.int64), high)
         ended = time.process_time()
-        print(f"{len(sites):>9} sites: {found - began:.3f} s, certificate {ended - found:.2f} s")
+        told = f"{found - began:.3f} s; certificate {ended - found:.2f} s"
+        row(f"{len(sites):,} sites", "≤ 0.5 s", "0.1 s", told)
+
+
+def engine() -> None:
+    """Print the layer loop's ratios and memory."""
+    for outline, cells, layers in (("square", 300, 150), ("square", 4000, 1000)):
+        fast, slow = loop_times(outline, cells, layers)
+        what = f"(scipy + shapely) ÷ layer loop, {cells:,} cells × {layers:,} layers"
+        row(what, "≥ 20", "40", f"{slow / fast:.0f} ({fast:.3g} s)")
+    told = f"{peak_memory(4000, 5000):.0f} MB"
+    row("memory, 4,000 cells × 5,000 layers", "≤ 300 MB", "", told)
 
 
 def main() -> None:
@@ -124,11 +170,19 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     quick = parser.parse_args().quick
     foam = pattern(1.0, 0, 60.0)
-    print(f"{len(tiles())} tile(s), {len(foam.sites)} sites, {np.array(SIZE)} steps")
+    print(f"{len(tiles())} tile(s), {len(foam.sites):,} sites, {np.array(SIZE)} steps\n")
+    row("what", "must", "aim", "measured")
+    row("---", "---", "---", "---")
+    overhang(27.0)
+    support()
     shapes(foam)
     evenness(foam)
-    overhang(27.0)
     times([27.0] if quick else [27.0, 60.0, 115.0])
+    if not quick:
+        engine()
+        stiff, soft = stiffness.compare(quick=True)
+        told = f"{np.mean(stiff) / np.mean(soft):.1f}"
+        row(f"sideways stiffness, solid share {stiffness.SHARE}, ÷ columns", "≥ 3", "5", told)
 
 
 if __name__ == "__main__":

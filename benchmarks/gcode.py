@@ -9,18 +9,16 @@ What routes is imported where it is used: it would count in the writer's peak me
 from __future__ import annotations
 
 import io
-import itertools
 import resource
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from v3dcad.formats.gcode.writer import write_gcode
-from v3dcad.model import EXTRUDE, Layer, Section, Toolpath
+from v3dcad.model import EXTRUDE, Toolpath
 from v3dcad.settings import PrintSettings
 
 
@@ -33,16 +31,6 @@ class Sink(io.TextIOBase):
         """Take the text's length alone."""
         self.size += len(text)
         return len(text)
-
-
-def layers(sites: int, count: int, half: float) -> Iterator[Layer]:
-    """Layers whose diagrams are three, taken in turn; a diagram's making is not measured."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-    from diagrams import layer, scattered, square
-
-    made = [layer(scattered(sites, half, seed), square(half), 0) for seed in range(3)]
-    for number, one in zip(range(count), itertools.cycle(made)):
-        yield replace(one, index=number, section=Section(0.2 * number, one.section.rings))
 
 
 def plain_loop(
@@ -90,27 +78,28 @@ def peak_mb() -> float:
 
 
 def table() -> None:
+    from benchmarks.engine import filled
     from v3dcad.toolpath.beads import trace
 
     columns = "structure route trace_s write_s loop_s loop/write MB moves retraced strokes hours"
     print(" ".join(f"{name:>13}" for name in columns.split()))
-    for sites, count, half in ((300, 150, 50.0), (4000, 20, 100.0)):
+    for cells, count in ((300, 150), (4000, 20)):
+        source = list(filled("square", cells, count).layers)
         for route in ("least-retrace", "trails", "tree"):
-            options = PrintSettings(route=route)
-            source = list(layers(sites, count, half))
+            options = PrintSettings(route=route, bed="400x400")
             reports = []
-            began = time.perf_counter()
+            began = time.process_time()
             paths = list(trace(source, options, reports.append))
-            traced = time.perf_counter()
+            traced = time.process_time()
             sink = Sink()
             totals = write_gcode(sink, paths, options)
-            wrote = time.perf_counter()
+            wrote = time.process_time()
             plain_loop(Sink(), paths, options)
-            looped = time.perf_counter()
+            looped = time.process_time()
             moves = sum(len(path.points) for path in paths)
             share = sum(r.retraced for r in reports) / sum(r.extruded for r in reports)
             row = (
-                f"{sites}x{count}",
+                f"{cells}x{count}",
                 route,
                 f"{traced - began:.2f}",
                 f"{wrote - traced:.2f}",
@@ -128,16 +117,16 @@ def table() -> None:
 def memory() -> None:
     write_gcode(Sink(), many_moves(10_000), PrintSettings())
     before = peak_mb()
-    began = time.perf_counter()
+    began = time.process_time()
     sink = Sink()
     write_gcode(sink, many_moves(10_000_000), PrintSettings(build_height=1000))
-    wrote = time.perf_counter()
+    wrote = time.process_time()
     print(
         f"10 million moves: {wrote - began:.1f} s, {sink.size / 1e6:.0f} MB written; "
         f"peak memory {peak_mb():.0f} MB, of it {before:.0f} MB before the first move"
     )
     plain_loop(Sink(), many_moves(1_000_000), PrintSettings())
-    print(f"a plain loop: {10 * (time.perf_counter() - wrote):.1f} s (from a tenth of the moves)")
+    print(f"a plain loop: {10 * (time.process_time() - wrote):.1f} s (from a tenth of the moves)")
 
 
 def thesis() -> None:

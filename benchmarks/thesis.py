@@ -1,9 +1,10 @@
 """The thesis's tables and figures, its figures beside ours.
 
-    python benchmarks/thesis.py [--bunny ../shared/data/parts/bunny.stl] [--out FOLDER]
+    python -m benchmarks.thesis [--bunny ../shared/data/parts/bunny.stl] [--out FOLDER]
 
-prints Table 4.1 (sizes), Table 4.2 (times), and how far walls lie from the layer
-below; writes Fig. 3.13 (area per cell) and Fig. 3.30 (time over number of sites) as PNG.
+prints Table 4.1 (sizes), Table 4.2 (times), and how far walls lie from the layer below, beside a
+foam of as many cells; writes Fig. 3.13 (area per cell) and Fig. 3.30 (time over number of sites)
+as PNG.
 """
 
 from __future__ import annotations
@@ -18,18 +19,17 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-import shapely
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "samples" / "thesis"))
 
 from recipes import Recipe, cubes, prism_of_300, published, pyramid_of_50  # noqa: E402
 
-from v3dcad import Structure, build  # noqa: E402
+from benchmarks.sampling import distances_below  # noqa: E402
+from v3dcad import FillSettings, Structure, build  # noqa: E402
 from v3dcad.formats.mesh.stl import ascii_stl  # noqa: E402
 from v3dcad.formats.ont.document import ont_text  # noqa: E402
-from v3dcad.geometry.section_area import section_area  # noqa: E402
-from v3dcad.model import Floats, Layer, Mesh  # noqa: E402
+from v3dcad.model import Layer, Mesh  # noqa: E402
 from v3dcad.parts import part_from  # noqa: E402
 from v3dcad.structure.thesis.loop import ThesisLayer  # noqa: E402
 
@@ -44,6 +44,9 @@ TABLE_41 = {
 
 TABLE_42 = {"cube": (3100, 18), "fine cube": (6000, 16)}
 """ms: regular and interpolated."""
+
+SPACING = 0.5
+"""mm: how far apart points on walls are sampled."""
 
 PARAMETERS = ("part", "layer height", "offset", "sites")
 
@@ -151,41 +154,19 @@ def table_42() -> None:
     )
 
 
-def farthest(layers: Iterable[Layer], spacing: float = 0.5) -> tuple[float, float]:
+def farthest(layers: Iterable[Layer]) -> tuple[float, float]:
     """How far the walls of a layer lie from walls and contours of the layer below, mm.
 
-    The largest distance of points `spacing` mm apart along the walls, and the largest of each
-    layer's 99th percentile. Points outside the section below are the part's own overhang.
+    The largest distance of points along the walls, and the largest of each layer's 99th
+    percentile. Points outside the section below are the part's own overhang.
     """
-    below: Layer | None = None
     most, most_99 = 0.0, 0.0
-    for layer in layers:
-        diagram = layer.diagram
-        inner = diagram.edges[diagram.inner()]
-        if below is not None and len(inner) and len(below.diagram.edges):
-            points = shapely.points(_along(diagram.vertices[inner], spacing))
-            area = section_area(below.section)
-            shapely.prepare(area)
-            points = points[shapely.covers(area, points)]
-            lines = shapely.linestrings(below.diagram.vertices[below.diagram.edges])
-            _, far = shapely.STRtree(lines).query_nearest(
-                points, return_distance=True, all_matches=False
-            )
-            if len(far):
-                most = max(most, float(far.max()))
-                most_99 = max(most_99, float(np.percentile(far, 99)))
-        below = layer
+    for below, layer in pairwise(layers):
+        far = distances_below(layer, below, SPACING)
+        if len(far):
+            most = max(most, float(far.max()))
+            most_99 = max(most_99, float(np.percentile(far, 99)))
     return most, most_99
-
-
-def _along(ends: Floats, spacing: float) -> Floats:
-    """Points on segments (e, 2, 2), both ends among them, at most `spacing` mm apart."""
-    lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    steps = np.ceil(lengths / spacing).astype(int) + 1
-    edge = np.repeat(np.arange(len(ends)), steps + 1)
-    number = np.arange(len(edge)) - np.repeat(np.cumsum(steps + 1) - steps - 1, steps + 1)
-    share = (number / steps[edge])[:, None]
-    return np.asarray(ends[edge, 0] * (1 - share) + ends[edge, 1] * share)
 
 
 def overhang(cases: Sequence[Recipe]) -> None:
@@ -193,23 +174,26 @@ def overhang(cases: Sequence[Recipe]) -> None:
     for case in cases:
         part = part_from(case.source())
         structure = build(part, case.settings)
-        most, most_99 = farthest(structure.layers)
         report = structure.report()
+        told = [str(len(report[name])) for name in ("births", "layers_without_candidate")]
         rows.append(
-            [
-                case.name,
-                f"{case.settings.offset:g}",
-                str(len(report["births"])),
-                str(len(report["layers_without_candidate"])),
-                f"{most:.3f}",
-                f"{most_99:.3f}",
-            ]
+            [case.name, "thesis", f"{case.settings.offset:g}", *told, *_farthest(structure)]
         )
+        sides = np.ptp(part.bounds, axis=0)[:2]
+        foam = FillSettings(
+            layer_height=case.settings.layer_height,
+            cell_size=float(np.sqrt(sides.prod() / case.settings.sites)),
+        )
+        rows.append([case.name, "foam", "", "", "", *_farthest(build(part, foam))])
     table(
         "Overhang: largest distance from a layer's walls to the layer below, mm",
-        ["part", "offset", "inserted", "unanswered", "largest", "99 % below"],
+        ["part", "method", "offset", "inserted", "unanswered", "largest", "99 % below"],
         rows,
     )
+
+
+def _farthest(structure: Structure) -> list[str]:
+    return [f"{distance:.3f}" for distance in farthest(structure.layers)]
 
 
 def figure_313(path: Path) -> None:
