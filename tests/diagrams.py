@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from scipy.spatial import Voronoi
 
-from v3dcad.model import Diagram, Floats, Ints, Layer, Run, Section, SiteState
+from v3dcad.model import Diagram, Floats, Ints, Layer, PlaneSites, Run, Section
 
 
 def scattered(count: int, half: float, seed: int) -> Floats:
@@ -114,7 +114,7 @@ def spanning_tree(diagram: Diagram, sites: Floats) -> Ints:
 def layer(sites: Floats, section: Section, index: int = 0) -> Layer:
     diagram = voronoi(sites, section)
     count = len(sites)
-    state = SiteState(sites, np.zeros(count), np.zeros(count), np.zeros(count))
+    state = PlaneSites(np.column_stack([sites, np.zeros(count)]), np.zeros(count), np.zeros(count))
     return Layer(
         index, section, state, diagram, spanning_tree(diagram, sites), area_of(section).area / count
     )

@@ -84,14 +84,6 @@ def power_cells(count, corners, vertices):
     return shapely.polygons(shapely.linearrings(vertices[place[order]], indices=number))
 
 
-def holes(sites, weights, area):
-    """Triangles (h, 3) of sites whose cells meet inside an area, and their areas (h,)."""
-    corners, vertices, _ = power_diagram(sites, weights)
-    inside = (corners < len(sites)).all(axis=1) & shapely.contains_xy(area, vertices)
-    corners = corners[inside]
-    return corners, shapely.area(shapely.polygons(sites[corners]))
-
-
 def cut_edges(area, pairs, edges):
     """Neighbours (m, 2) and their edges inside a prepared area, as shapely lines."""
     lines = shapely.linestrings(edges)
@@ -123,7 +115,7 @@ def layer(sites, weights, section):
     """What the engine makes of a layer, the slow way: neighbours, edges, tree, how many cells
     there are, and whose contour is which.
     """
-    area = area_of(section)
+    area, sites = area_of(section), sites[:, :2]
     shapely.prepare(area)
     corners, vertices, across = power_diagram(sites, weights)
     pairs, edges = power_edges(len(sites), corners, vertices, across)
@@ -133,8 +125,11 @@ def layer(sites, weights, section):
 
 
 def cells(sites, weights, section):
-    """Each site's part of the section, as shapely areas: half-planes against all other sites."""
-    area = area_of(section)
+    """Each site's part of the section, as shapely areas: half-planes against all other sites.
+
+    Sites may have a height besides x and y, which the weights stand for.
+    """
+    area, sites = area_of(section), sites[:, :2]
     low, high = np.reshape(shapely.bounds(area), (2, 2))
     reach = (high - low).max()
     frame = [low - reach, (high[0] + reach, low[1] - reach), high + reach]
@@ -147,7 +142,10 @@ def cells(sites, weights, section):
                 continue
             normal = sites[j] - sites[i]
             bound = (sites[j] @ sites[j] - sites[i] @ sites[i] - weights[j] + weights[i]) / 2
-            polygon = _half_plane(polygon, bound - polygon @ normal)
+            height = bound - polygon @ normal
+            if not normal.any() and bound == 0:  # one above the other: the first has the cell
+                height += j - i
+            polygon = _half_plane(polygon, height)
         # Rounding may leave corners an ulp apart, a spike that GEOS takes amiss; a hull has none.
         hull = shapely.convex_hull(shapely.multipoints(polygon))
         found.append(shapely.intersection(hull, area))

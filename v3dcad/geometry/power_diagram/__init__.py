@@ -2,7 +2,6 @@
 
 predicates            orientation and the power test, exact and without ties
 grid                  the integer grid over a part's base rectangle
-epochs                what weights are counted from, so that they stay small
 triangle_mesh         triangles in arrays: points join, edges flip, points become hidden
 regular_triangulation all points at once
 event_queue           when the power tests of edges fail
