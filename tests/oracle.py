@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import minimum_spanning_tree
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, Voronoi
 
 THIN = 1e-10
 """A cell's part that is thinner behind its contour than this share of the section is none."""
@@ -63,6 +63,26 @@ def power_edges(count, corners, vertices, across):
     pairs, edges = np.concatenate(pairs), np.concatenate(edges)
     inner = pairs[:, 1] < count
     return pairs[inner], edges[inner]
+
+
+def slice_in_space(sites, stretch, z):
+    """Pairs (m, 2) of sites (n, 3) and edges (m, 2, 2): a plane cut through the bounded walls of
+    scipy's Voronoi diagram in the space that a stretch makes flatter.
+    """
+    diagram = Voronoi(sites / [1, 1, stretch])
+    pairs, edges = [], []
+    for pair, ridge in zip(diagram.ridge_points, diagram.ridge_vertices, strict=True):
+        if -1 in ridge:
+            continue
+        here = diagram.vertices[ridge]
+        there = np.roll(here, -1, axis=0)
+        crosses = (here[:, 2] <= z / stretch) != (there[:, 2] <= z / stretch)
+        if crosses.any():
+            here, there = here[crosses], there[crosses]
+            share = (z / stretch - here[:, 2]) / (there[:, 2] - here[:, 2])
+            edges.append((here + share[:, None] * (there - here))[:, :2])
+            pairs.append(np.sort(pair))
+    return np.array(pairs), np.array(edges)
 
 
 def power_cells(count, corners, vertices):

@@ -77,7 +77,7 @@ def power_walls(sites: Floats, growth: Floats, base: Floats, low: Floats, high: 
         starts.append(len(corners))
         pairs.append((i, j))
     pairs_array = np.array(pairs, np.int64).reshape(-1, 2)
-    return welded_facets(pairs_array, np.reshape(corners, (-1, 3)), np.array(starts), sites)
+    return welded_facets(pairs_array, np.reshape(corners, (-1, 3)), np.array(starts), places)
 
 
 def _ring(links: list[tuple[int, int]]) -> list[int] | None:

@@ -1,8 +1,8 @@
 """The regular triangulation of weighted grid points: the dual of their power diagram.
 
 Incremental insertion along a Hilbert curve with Lawson flips (Edelsbrunner and Shah, "Incremental
-topological flipping works for regular triangulations", Algorithmica 1996). With the predicates
-of `predicates.py` it is canonical: neither the order of insertion nor the history of flips shows, and
+topological flipping works for regular triangulations", Algorithmica 1996). With the predicates of
+`predicates.py` it is canonical: neither the order of insertion nor the history of flips shows, and
 grids, collinear and cocircular points are no special cases.
 """
 

@@ -64,7 +64,7 @@ class Facets(Value):
 def welded_facets(sites: Ints, points: Floats, starts: Ints, places: Floats) -> Facets:
     """Polygons (f), given one by one, with their corners shared.
 
-    `sites` (f, 2), i < j, lie on the two sides of each and stand at `places` (n, 2); `points`
+    `sites` (f, 2), i < j, lie on the two sides of each and stand at `places` (n, 3), mm; `points`
     (c, 3), mm, are the corners, `starts` (f + 1,) where each polygon begins. Either way round will
     do. Polygons that shrink to less than a triangle are left out.
     """
@@ -90,7 +90,7 @@ def welded_facets(sites: Ints, points: Floats, starts: Ints, places: Floats) -> 
         sites[left],
     )
     across = places[found.sites[:, 1]] - places[found.sites[:, 0]]
-    return _turned(found, (found.vectors()[:, :2] * across).sum(axis=1) < 0)
+    return _turned(found, (found.vectors() * across).sum(axis=1) < 0)
 
 
 def _turned(walls: Facets, backwards: NDArray[np.bool_]) -> Facets:

@@ -2,9 +2,9 @@
 
 A slice of the Voronoi diagram of sites (x, y, z) under the metric Δx² + Δy² + Δz² / s² is a power
 diagram. With heights divided by the stretch s and counted in steps of the grid of x and y, a site
-at k steps weighs k · t − k² steps² at a height of t / 2 steps (that is t² / 4 more than by the
-metric for all, which changes nothing). So s is not in the predicates, and t = 2 z / (s · pitch), rounded, is the engine's
-time: heights are snapped to half steps, s · pitch / 2 mm.
+at k steps weighs k · t − k² steps² at a height of t / 2 steps (for all sites that is t² / 4 more
+than by the metric, which changes nothing). So s is not in the predicates, and t = 2 z / (s · pitch)
+rounded is the engine's time: heights are snapped to half steps, s · pitch / 2 mm.
 """
 
 from __future__ import annotations
