@@ -1,17 +1,15 @@
 """The engine against qhull and GEOS, in one run: `python -m benchmarks.engine [--quick]`.
 
 Ratios count; milliseconds depend on the machine. The slow side is tests/oracle.py, given the
-engine's own sites and weights: lifted qhull, edges, cells and contours cut by prepared shapely,
-scipy's spanning tree. It gives no births, so that ratios are rather too low. Processor time is
-compared, so that a busy machine does not blur it. Where there are many layers and sites, the slow
-side is extrapolated from some 50 layers. The offsets are beyond what --max-overhang allows by
-itself: 90° lifts it.
+engine's own sites and weights: lifted qhull, edges, cells and contours cut by prepared shapely.
+Both sides get the sites that may have a cell on the layer. Processor time is compared, so that a
+busy machine does not blur it. Where there are many layers, the slow side is extrapolated from some
+20 of them.
 """
 
 from __future__ import annotations
 
 import argparse
-import resource
 import subprocess
 import sys
 import tempfile
@@ -20,25 +18,38 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import shapely
 from scipy.spatial import ConvexHull
 
 from tests import oracle
 from v3dcad.geometry.power_diagram.grid import Grid, curve_order
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
-from v3dcad.model import Section
+from v3dcad.model import Layer, Section
 from v3dcad.settings import FillSettings
-from v3dcad.structure.fill import fill_sections
+from v3dcad.structure.fill import Filling, fill_sections
+from v3dcad.structure.foam.tile import stretch_for
 
-SLOW_LAYERS = 50
+SLOW_LAYERS = 20
+CELL = 5.0
+"""mm: the cells' size."""
+
+STEEP = 25
+"""Layers to the height of a cell."""
+
 CASES = [
-    # name, sites, layers, size, offset, outline
-    ("cube", 8, 250, 50.0, 0.3, "square"),
-    ("cube", 8, 500, 50.0, 0.3, "square"),
-    ("frustum", 40, 150, 40.0, 0.3, "frustum"),
-    ("pyramid", 300, 150, 180.0, 0.3, "pyramid"),
-    ("prism", 4000, 20, 1000.0, 3.0, "square"),
-    ("stress", 4000, 5000, 1000.0, 0.3, "square"),
+    # name, cells in the base square, layers, outline
+    ("pole", 40, 250, "square"),
+    ("frustum", 40, 150, "frustum"),
+    ("block", 300, 150, "square"),
+    ("pyramid", 300, 150, "pyramid"),
+    ("plate", 4000, 20, "square"),
+    ("tower", 4000, 1000, "square"),
 ]
+
+
+SETTINGS = FillSettings(cell_size=CELL)
+HEIGHT = CELL * stretch_for(SETTINGS.max_overhang) / STEEP
+"""mm: of a layer."""
 
 
 def seconds(work: Callable[[], object], repeats: int = 3) -> float:
@@ -63,7 +74,7 @@ def sections(outline: str, size: float, layers: int) -> list[Section]:
             "frustum": size / 2 + circle * size / 2 * (1 - share / 4),
             "pyramid": size / 2 + (square - size / 2) * (1 - 0.999 * share),
         }[outline]
-        made.append(Section(0.2 * layer, (ring,)))
+        made.append(Section(HEIGHT * layer, (ring,)))
     return made
 
 
@@ -94,63 +105,76 @@ def _exponent(sizes: list[int], times: list[float]) -> float:
     return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])
 
 
+def filled(outline: str, cells: int, layers: int) -> Filling:
+    """A stack of sections with some cells in the base square, filled."""
+    filling = fill_sections(sections(outline, CELL * np.sqrt(cells), layers), None, SETTINGS)
+    assert isinstance(filling, Filling)
+    return filling
+
+
+def slowly(layer: Layer) -> object:
+    """The layer's diagram by qhull and GEOS."""
+    present = layer.state.present()
+    sites, weights = layer.state.sites[present, :2], layer.state.weights[present]
+    area = oracle.area_of(layer.section)
+    shapely.prepare(area)
+    corners, vertices, across = oracle.power_diagram(sites, weights)
+    pairs, edges = oracle.power_edges(len(sites), corners, vertices, across)
+    cut = oracle.cut_edges(area, pairs, edges)
+    return cut, oracle.cut_cells(area, oracle.power_cells(len(sites), corners, vertices))
+
+
 def layer_loop(quick: bool) -> None:
-    print("\nlayer loop, births and tree on  against  scipy + shapely")
-    print(f"{'case':>8} {'sites':>6} {'layers':>6} {'engine ms':>10} {'slow ms':>10} {'ratio':>6}")
-    for name, n, layers, size, offset, outline in CASES:
-        layers = min(layers, 500) if quick else layers
-        sites = np.random.default_rng(7).random((n, 2)) * size
-        stack = sections(outline, size, layers)
-        settings = FillSettings(offset=offset, max_overhang=90.0)
-
-        some = max(1, layers // (SLOW_LAYERS if n * layers > 10**5 else 1))
-        chosen = [
-            layer
-            for layer in fill_sections(stack, sites, settings).layers
-            if layer.index % some == 0
-        ]
-
-        def engine(stack=stack, sites=sites, settings=settings):
-            return [layer.index for layer in fill_sections(stack, sites, settings).layers]
-
-        def plain(chosen=chosen):
-            return [
-                oracle.layer(layer.state.sites, layer.state.weights, layer.section)
-                for layer in chosen
-            ]
-
+    print("\nlayer loop, sites given  against  scipy + shapely")
+    print(f"{'case':>8} {'cells':>6} {'layers':>6} {'engine ms':>10} {'slow ms':>10} {'ratio':>6}")
+    for name, cells, layers, outline in CASES:
+        layers = min(layers, 100) if quick else layers
+        filling = filled(outline, cells, layers)
+        some = max(1, layers // SLOW_LAYERS)
+        chosen = [layer for layer in filling.layers if layer.index % some == 0]
         # By turns, since the machine's speed wanders.
-        turns = [(seconds(engine, 1), seconds(plain, 1)) for _ in range(5)]
+        turns = [
+            (
+                seconds(lambda filling=filling: [x.index for x in filling.layers], 1),
+                seconds(lambda chosen=chosen: [*map(slowly, chosen)], 1),
+            )
+            for _ in range(3 if cells > 1000 else 5)
+        ]
         fast, slow = np.min(turns, axis=0) * [1, layers / len(chosen)]
         print(
-            f"{name:>8} {n:6} {layers:6} {fast * 1e3:10.2f} {slow * 1e3:10.0f} {slow / fast:6.0f}"
+            f"{name:>8} {cells:6} {layers:6} {fast * 1e3:10.2f} {slow * 1e3:10.0f} "
+            f"{slow / fast:6.0f}",
+            flush=True,
         )
-    print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
+
+
+def memory() -> None:
+    print("\nmemory, 4,000 cells a section × 5,000 layers, in a process of its own")
+    code = (
+        "import resource; from benchmarks.engine import filled; "
+        "print(sum(1 for _ in filled('square', 4000, 5000).layers), "
+        "resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    layers, peak = out.stdout.split()
+    print(f"{layers} layers, peak {float(peak):.0f} MB")
 
 
 def exponents(quick: bool) -> None:
     print("\nexecution time, 20 layers (thesis, section 3.5.5: exponent 2)")
     sizes = list(range(500, 7001, 2000 if quick else 500))
     times = []
-    for n in sizes:
-        sites = np.random.default_rng(7).random((n, 2)) * 200
-        stack, settings = (
-            sections("square", 200.0, 20),
-            FillSettings(offset=600 / n, max_overhang=90.0),
-        )
-        run = lambda: [x.index for x in fill_sections(stack, sites, settings).layers]  # noqa: B023, E731
-        times.append(seconds(run))
-        print(f"{n:9} {times[-1] * 1e3:10.2f} ms")
-    print(f"exponent in the number of sites: {_exponent(sizes, times):.2f}")
+    for cells in sizes:
+        filling = filled("square", cells, 20)
+        times.append(seconds(lambda filling=filling: [x.index for x in filling.layers]))
+        print(f"{cells:9} {times[-1] * 1e3:10.2f} ms")
+    print(f"exponent in the number of cells: {_exponent(sizes, times):.2f}")
     if not quick:
         plot(sizes, times)
-    counts, times = [250, 500, 1000, 2000, 4000], []
-    sites = np.random.default_rng(7).random((300, 2)) * 100
+    counts, times = [250, 500, 1000, 2000], []
     for layers in counts:
-        stack = sections("square", 100.0, layers)
-        settings = FillSettings(offset=100 / layers, max_overhang=90.0)  # the same growth in all
-        run = lambda: [x.index for x in fill_sections(stack, sites, settings).layers]  # noqa: B023, E731
-        times.append(seconds(run))
+        filling = filled("square", 300, layers)
+        times.append(seconds(lambda filling=filling: [x.index for x in filling.layers]))
     print(f"exponent in the number of layers: {_exponent(counts, times):.2f}")
 
 
@@ -170,7 +194,7 @@ def plot(sizes: list[int], times: list[float]) -> None:
     axes.loglog(n, times, "o", color="black", markersize=4, label="20 layers, measured")
     axes.loglog(n, scale * n**exponent, color="black", label=f"exponent {exponent:.2f}, fitted")
     axes.loglog(n, times[0] * (n / n[0]) ** 2, ":", color="gray", label="exponent 2 (thesis)")
-    axes.set(xlabel="sites", ylabel="execution time, s")
+    axes.set(xlabel="cells", ylabel="execution time, s")
     axes.set_xticks([500, 1000, 2000, 3500, 7000], ["500", "1000", "2000", "3500", "7000"])
     axes.minorticks_off()
     axes.legend(frameon=False)
@@ -203,6 +227,8 @@ def main() -> None:
     layer_loop(quick)
     one_diagram([50, 300, 1000, 4000, 7000, 50_000] + ([] if quick else [1_000_000]))
     exponents(quick)
+    if not quick:
+        memory()
     start()
 
 

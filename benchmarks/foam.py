@@ -63,7 +63,7 @@ def evenness(foam: Pattern) -> None:
     spreads, largest, counts = [], [], []
     for level in (np.arange(HEIGHTS) + 0.37) / HEIGHTS * rise:
         low = np.array([0, 0, round(level)])
-        sites = foam.sites_in(low, np.array([side - 1, side - 1, round(level)]))
+        sites = foam.sites_in(low, np.array([side - 1, side - 1, round(level)]))[0]
         own = ((sites[:, :2] >= 0) & (sites[:, :2] < side)).all(axis=1)
         areas = section_areas(sites, level)[own]
         areas = areas[areas > 0]
@@ -83,7 +83,7 @@ def evenness(foam: Pattern) -> None:
 def shapes(foam: Pattern) -> None:
     """Print how tall cells are."""
     high = np.array(SIZE) * foam.multiple
-    sites = foam.sites_in(np.zeros(3, np.int64), high - 1).astype(np.float64)
+    sites = foam.sites_in(np.zeros(3, np.int64), high - 1)[0].astype(np.float64)
     wanted = np.flatnonzero(((sites >= 0) & (sites < high)).all(axis=1))
     low, top = extents(voronoi_cells(sites, wanted))
     size = top - low
@@ -99,7 +99,7 @@ def overhang(width: float) -> None:
         for seed in SEEDS:
             foam = pattern(1.0, seed, width + 4)
             high = np.full(3, round(width / foam.pitch))
-            sites = foam.sites_in(np.zeros(3, np.int64), high)
+            sites = foam.sites_in(np.zeros(3, np.int64), high)[0]
             least = min(least, int(((sites >= 0) & (sites <= high)).all(axis=1).sum()))
             worst = max(worst, steepest_wall(sites, np.zeros(3, np.int64), high).tau)
         lean = np.degrees(np.arctan(worst / stretch))
@@ -112,7 +112,7 @@ def times(widths: list[float]) -> None:
         foam = pattern(1.0, 0, width + 4)
         high = np.full(3, round(width / foam.pitch))
         began = time.process_time()
-        sites = foam.sites_in(np.zeros(3, np.int64), high)
+        sites = foam.sites_in(np.zeros(3, np.int64), high)[0]
         found = time.process_time()
         steepest_wall(sites, np.zeros(3, np.int64), high)
         ended = time.process_time()

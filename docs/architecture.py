@@ -110,6 +110,7 @@ ROOMS = (
     Room("*.py", ("geometry",), 5, 484, 1, 100),
     Room("mesh/", ("geometry/mesh",), 0, 628, 2, 100),
     Room("clipping/", ("geometry/clipping",), 2, 628, 1, 100),
+    Room("voronoi/", ("geometry/voronoi",), 3, 628, 1, 100),
     Room("power_diagram/", ("geometry/power_diagram",), 2, 766, 1, 100),
     Room("compiled/", ("geometry/compiled",), 0, 904, 6, 46),
     Room("model.py", ("model",), 0, 1002, 2, 56),

@@ -1,9 +1,10 @@
 """Make the sample parts beside this script with build123d: `python samples/parts.py`.
 
 A cone and a truncated pyramid as in the thesis, a bracket with fillets and holes, a part of two
-islands, and the pyramid again as STL.
+islands, a wedge with a gap at its sharp edge, and the pyramid again as STL.
 """
 
+import math
 import os
 from pathlib import Path
 
@@ -17,14 +18,18 @@ from build123d import (
     Cylinder,
     Part,
     Plane,
+    Polyline,
     Pos,
     Rectangle,
     Rot,
+    Spline,
     export_step,
     export_stl,
     extrude,
     fillet,
+    make_face,
 )
+from OCP.BRep import BRep_Builder, BRep_Tool
 
 HERE = Path(__file__).parent
 
@@ -61,7 +66,25 @@ def islands() -> Compound:
     return Compound(children=[column, block])
 
 
+def wedge() -> Part:
+    """A wedge of 42° whose sharp edge bends off both faces, by 0.1 mm at half its height.
+
+    A section's ring then crosses itself, in a loop of up to 7.2 times the gap of 0.036 mm.
+    """
+    half = math.radians(21)
+    tip = Polyline((0, 0), (20, -20 * math.tan(half)), (20, 20 * math.tan(half)), close=True)
+    body = extrude(Plane.XY * make_face(tip), 10)
+    (edge,) = (edge for edge in body.edges().filter_by(Axis.Z) if abs(edge.center().X) < 1e-6)
+    first = edge.start_point()
+    bent = Spline(first, (-0.1, 0, 5), edge.end_point())
+    curve = BRep_Tool.Curve_s(bent.wrapped, 0.0, 1.0)
+    builder = BRep_Builder()
+    builder.UpdateEdge(edge.wrapped, curve, 0.04)
+    builder.Range(edge.wrapped, curve.FirstParameter(), curve.LastParameter())
+    return body
+
+
 if __name__ == "__main__":
-    for make in (cone, pyramid, bracket, islands):
+    for make in (cone, pyramid, bracket, islands, wedge):
         export_step(make(), HERE / f"{make.__name__}.step")
     export_stl(pyramid(), HERE / "pyramid.stl", tolerance=0.01, ascii_format=True)

@@ -8,7 +8,9 @@ import numpy as np
 import shapely
 from scipy.spatial import Voronoi
 
-from v3dcad.model import Diagram, Floats, Ints, Layer, PlaneSites, Run, Section
+from v3dcad.geometry.power_diagram.grid import Grid
+from v3dcad.model import CurveRun, Diagram, Floats, Layer, Section
+from v3dcad.structure.thesis.sites import PlaneSites
 
 
 def scattered(count: int, half: float, seed: int) -> Floats:
@@ -100,24 +102,12 @@ def area_of(section: Section) -> shapely.Geometry:
     return shapely.union_all(outer).difference(shapely.union_all(holes))
 
 
-def spanning_tree(diagram: Diagram, sites: Floats) -> Ints:
-    """A minimum spanning tree of the neighbours (m, 2), by scipy."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import minimum_spanning_tree
-
-    a, b = diagram.neighbours.T
-    length = np.hypot(*(sites[a] - sites[b]).T)
-    tree = minimum_spanning_tree(coo_matrix((length, (a, b)), shape=(len(sites),) * 2)).tocoo()
-    return np.sort(np.column_stack([tree.row, tree.col]).astype(np.int64), axis=1)
-
-
 def layer(sites: Floats, section: Section, index: int = 0) -> Layer:
     diagram = voronoi(sites, section)
     count = len(sites)
-    state = PlaneSites(np.column_stack([sites, np.zeros(count)]), np.zeros(count), np.zeros(count))
-    return Layer(
-        index, section, state, diagram, spanning_tree(diagram, sites), area_of(section).area / count
-    )
+    grid = Grid.around(np.array([-100.0, -100]), np.array([100.0, 100]))
+    state = PlaneSites(grid, sites, np.zeros(count), np.zeros(count))
+    return Layer(index, section, state, diagram, area_of(section).area / count)
 
 
 def square(half: float, z: float = 0.0, hole: float = 0.0) -> Section:
@@ -131,7 +121,7 @@ def disc(radius: float, z: float = 0.0, points: int = 96) -> Section:
     """A round section that knows that it is a circle."""
     angle = np.arange(points) / points * 2 * np.pi
     ring = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    return Section(z, (ring,), (Run(0, 0, points, "circle", 0, (0.0, 0.0, radius)),))
+    return Section(z, (ring,), (CurveRun(0, 0, points, "circle", 0, (0.0, 0.0, radius)),))
 
 
 def stack(count: int, sites: int = 12, half: float = 10.0, seed: int = 1) -> list[Layer]:

@@ -194,7 +194,7 @@ def test_a_step_file_without_a_solid(tmp_path: Path, capsys: pytest.CaptureFixtu
 
     export_step(Rectangle(10, 10).face(), tmp_path / "sheet.step")
     said = mistake(capsys, "fill", tmp_path / "sheet.step", "--out", tmp_path / "out")
-    assert "sheet.step: holds no solid" in said
+    assert "sheet.step: contains no solid" in said
 
 
 def test_sites_from_a_file(

@@ -39,11 +39,11 @@ def test_the_example_in_the_thesis_s_form_is_filled(tmp_path: Path) -> None:
 
 
 def test_limits_and_names_are_those_of_the_code() -> None:
-    assert form.MOST_BYTES == 256 << 20
-    assert packing.MOST_BYTES == 128 << 20
-    assert mesh_code.MOST_TRIANGLES == 4_000_000
-    assert form.MOST_SITES == 10_000_000
-    assert ont_sections.MOST_SECTIONS == ont_sections.MOST_FIELDS == 200
-    assert numbers.LONGEST == 800
+    assert form.MAX_FILE_BYTES == 256 << 20
+    assert packing.MAX_UNPACKED_BYTES == 128 << 20
+    assert mesh_code.MAX_TRIANGLES == 4_000_000
+    assert form.MAX_SITES == 10_000_000
+    assert ont_sections.MAX_SECTIONS == ont_sections.MAX_FIELDS == 200
+    assert numbers.MAX_CHARACTERS == 800
     for word in (*Checksum.COUNTS, *Checksum.DIGITS, form.PACKING, form.OURS, form.BOUNDARY):
         assert f"`{word}`" in TEXT

@@ -103,7 +103,7 @@ def test_threemf_bombs_and_ruins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         for k in range(2, 12)
     )
     path = threemf(tmp_path / "a.3mf", cube_object(1) + levels, '<item objectid="11"/>')
-    monkeypatch.setattr(threemf_read, "MOST_COMPONENTS", 1000)
+    monkeypatch.setattr(threemf_read, "MAX_COMPONENTS", 1000)
     with pytest.raises(v3dcad.FormatError, match=r"more than .* 1,000 components"):
         v3dcad.part_from(path)
     loop = '<object id="1"><components><component objectid="1"/></components></object>'
@@ -112,8 +112,8 @@ def test_threemf_bombs_and_ruins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "cut.3mf").write_bytes(path.read_bytes()[:300])
     with pytest.raises(v3dcad.FormatError, match=r"cut\.3mf: not a whole 3MF"):
         v3dcad.part_from(tmp_path / "cut.3mf")
-    monkeypatch.setattr(threemf_read, "MOST_BYTES", 1000)
-    with pytest.raises(v3dcad.FormatError, match="claims to unpack to"):
+    monkeypatch.setattr(threemf_read, "MAX_UNPACKED_BYTES", 1000)
+    with pytest.raises(v3dcad.FormatError, match="it unpacks to"):
         v3dcad.part_from(path)
 
 
@@ -125,7 +125,7 @@ def test_threemf_bombs_and_ruins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         (cube_object(1), "", "no triangles"),
         (cube_object(1), '<item objectid="2"/>', "damaged .*'2'"),
         (cube_object(1), '<item objectid="1" transform="1 0"/>', "damaged"),
-        (cube_object(1).replace('v1="0"', 'v1="9"'), '<item objectid="1"/>', "names a vertex"),
+        (cube_object(1).replace('v1="0"', 'v1="9"'), '<item objectid="1"/>', "refers to a vertex"),
         (cube_object(1).replace('x="0.0"', 'x="nan"'), '<item objectid="1"/>', "not finite"),
         (cube_object(1).replace('x="0.0"', 'x="?"'), '<item objectid="1"/>', "damaged"),
     ],
@@ -194,11 +194,11 @@ def test_obj_of_polygons(tmp_path: Path) -> None:
     [
         ("v 0 0\n", "line 1: a vertex needs three numbers"),
         ("v 0 0 x\n", "line 1: a vertex needs"),
-        ("\nv 0 0 nan\n", "line 2: a coordinate that is not a finite"),
+        ("\nv 0 0 nan\n", "line 2: a coordinate is not a finite"),
         ("v 0 0 1e999\n", "not a finite"),
-        ("v 0 0 0\nf 1 1 2\n", "line 2: a face names vertex 2, there are 1"),
-        ("v 0 0 0\nf 0 1 1\n", "names vertex 0"),
-        ("v 0 0 0\nf -2 1 1\n", "names vertex -2"),
+        ("v 0 0 0\nf 1 1 2\n", "line 2: a face refers to vertex 2 of 1"),
+        ("v 0 0 0\nf 0 1 1\n", "refers to vertex 0"),
+        ("v 0 0 0\nf -2 1 1\n", "refers to vertex -2"),
         ("v 0 0 0\nf 1 1\n", "a face of 2 corners"),
         ("v 0 0 0\nf" + " 1" * 501 + "\n", "a face of 501 corners"),
         ("v 0 0 0\nf a b c\n", "line 2: a face is written"),
@@ -227,7 +227,7 @@ def test_no_bytes_make_the_readers_stumble(data: bytes) -> None:
 def test_a_file_that_claims_a_size_it_does_not_have(tmp_path: Path) -> None:
     path = tmp_path / "a.stl"
     path.write_bytes(bytes(80) + (40_000_000).to_bytes(4, "little") + bytes(16))
-    with pytest.raises(v3dcad.FormatError, match=r"announces 40000000 triangles.* has 100 bytes"):
+    with pytest.raises(v3dcad.FormatError, match=r"states 40000000 triangles.* has 100 bytes"):
         v3dcad.part_from(path)
 
 
@@ -286,6 +286,6 @@ def test_what_is_too_large_or_no_brep(monkeypatch: pytest.MonkeyPatch) -> None:
     assert volume(v3dcad.part_from(touching)) == pytest.approx(2)
     with pytest.raises(v3dcad.GeometryError, match="more than two triangles share"):
         v3dcad.part_from(touching, as_brep=True)
-    monkeypatch.setattr(mesh_solid, "MOST_TRIANGLES", 11)
+    monkeypatch.setattr(mesh_solid, "MAX_TRIANGLES", 11)
     with pytest.raises(v3dcad.GeometryError, match=r"12 triangles is too large .*at most 11"):
         v3dcad.part_from(CUBE, as_brep=True)

@@ -100,8 +100,8 @@ class Placement(Value):
         return self.is_shift() and not self.translation.any()
 
 
-class Run(NamedTuple):
-    """A stretch of a ring that lies on one face: points start … stop of ring `ring`.
+class CurveRun(NamedTuple):
+    """A stretch of a ring on one curve of one face: points start … stop of ring `ring`.
 
     `curve` is "line", "circle", "ellipse" or "points"; `parameters` describe the exact curve
     (circle: centre x, y, radius; ellipse: centre x, y, major axis vector x, y, minor/major
@@ -124,7 +124,7 @@ class Section(Value):
     """mm above the bed"""
     rings: tuple[Floats, ...]
     """each (k, 2) mm; the material lies on the left of every ring"""
-    runs: tuple[Run, ...] = ()
+    runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
 
 
@@ -197,21 +197,8 @@ class SiteState(Protocol):
     def present(self) -> Ints:
         """(p,) the sites that may have a cell here, ascending: all that have one are among them."""
 
-
-@dataclass(frozen=True, eq=False, slots=True)
-class PlaneSites(Value):
-    """Sites of one layer whose weights are arrays."""
-
-    sites: Floats
-    """(n, 3) mm"""
-    weights: Floats
-    """(n,) mm²"""
-    growth: Floats
-    """(n,) mm² per mm of height"""
-
-    def present(self) -> Ints:
-        """(n,) all sites."""
-        return np.arange(len(self.weights))
+    def spanning_tree(self, pairs: Ints) -> Ints:
+        """The minimum spanning forest (k, 2) of pairs (m, 2), i < j, by distance in x and y."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -301,10 +288,16 @@ class Layer(Value):
     section: Section
     state: SiteState
     diagram: Diagram
-    tree: Ints
-    """(m, 2) site ids, i < j: a minimum spanning tree of the neighbours by length"""
     area_per_cell: float
     """section area ÷ number of cells, mm²"""
+
+    @property
+    def tree(self) -> Ints:
+        """(m, 2) site ids, i < j: the minimum spanning tree of the neighbours by their distance.
+
+        Computed when it is asked for.
+        """
+        return self.state.spanning_tree(self.diagram.neighbours)
 
     @property
     def z(self) -> float:

@@ -54,11 +54,15 @@ def breaks(shape: TopoDS_Shape, mesh: SurfaceMesh) -> Floats:
     for edge in np.flatnonzero(mesh.edge_curves >= 0):
         place, curve = mesh.surfaces[mesh.edge_faces[edge]], mesh.edge_curves[edge]
         for end in (0, 1):
-            _, _, z, slope = along_edge(mesh.heap, place, curve, mesh.edge_spans[edge], float(end))
+            _, _, z, slope = along_edge(
+                mesh.coefficients, place, curve, mesh.edge_spans[edge], float(end)
+            )
             if abs(slope) < 1e-5:
                 heights.append(z)
     for triangle, (u, v) in zip(*critical_points(mesh), strict=True):
-        heights.append(surface_at(mesh.heap, mesh.surfaces[mesh.faces[triangle]], u, v)[0][2])
+        heights.append(
+            surface_at(mesh.coefficients, mesh.surfaces[mesh.faces[triangle]], u, v)[0][2]
+        )
     ordered = np.unique(np.clip(heights, mesh.nodes[:, 2].min(), mesh.nodes[:, 2].max()))
     return ordered[np.diff(ordered, prepend=-np.inf) > 1e-6]
 

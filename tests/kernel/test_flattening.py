@@ -38,7 +38,7 @@ from OCP.TColStd import TColStd_Array1OfReal
 from v3dcad.geometry.compiled.intrinsics import STACK_ROOM
 from v3dcad.geometry.surface.curves import curve_at
 from v3dcad.geometry.surface.surfaces import surface_at
-from v3dcad.kernel.flattening import Packer
+from v3dcad.kernel.flattening import Flattener
 
 FRAME = gp_Ax2(gp_Pnt(1, 2, 3), gp_Dir(0.3, -0.4, 1), gp_Dir(1, 0.2, 0))
 SPACE = gp_Ax3(FRAME)
@@ -121,33 +121,33 @@ SURFACES = {
 @pytest.mark.parametrize("name", CURVES)
 def test_curves(name: str):
     curve = CURVES[name]
-    packer = Packer()
-    packer.numbers += [7.0, 7.0]
-    place = packer.curve(curve)
-    heap = packer.heap()
+    flattener = Flattener()
+    flattener.numbers += [7.0, 7.0]
+    place = flattener.curve(curve)
+    coefficients = flattener.coefficients()
     first = max(curve.FirstParameter(), -2)
     last = min(curve.LastParameter(), 2)
     for t in [*np.linspace(first, last, 23), *([last + 1.0] if curve.IsPeriodic() else [])]:
         point, tangent = gp_Pnt(), gp_Vec()
         curve.D1(float(t), point, tangent)
         true = [*point.Coord(), *tangent.Coord()]
-        assert curve_at(heap, place, float(t)) == pytest.approx(true, abs=1e-12, rel=1e-12)
+        assert curve_at(coefficients, place, float(t)) == pytest.approx(true, abs=1e-12, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_surfaces(name: str):
     surface = SURFACES[name]
-    packer = Packer()
-    packer.numbers += [7.0]
-    place = packer.surface(surface)
-    heap = packer.heap()
+    flattener = Flattener()
+    flattener.numbers += [7.0]
+    place = flattener.surface(surface)
+    coefficients = flattener.coefficients()
     u_first, u_last, v_first, v_last = surface.Bounds()
     close = 1e-12 if "offset" not in name else 1e-6
     for u in np.linspace(max(u_first, -2), min(u_last, 2), 9):
         for v in np.linspace(max(v_first, -1.3), min(v_last, 1.3), 9):
             point, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
             surface.D1(float(u), float(v), point, along_u, along_v)
-            own = surface_at(heap, place, float(u), float(v))
+            own = surface_at(coefficients, place, float(u), float(v))
             assert own[0] == pytest.approx(point.Coord(), abs=1e-12, rel=1e-12)
             assert own[1] == pytest.approx(along_u.Coord(), abs=close, rel=close)
             assert own[2] == pytest.approx(along_v.Coord(), abs=close, rel=close)
@@ -164,9 +164,9 @@ def test_no_spline_needs_more_room_than_there_is(kind):
 def test_splines_of_the_highest_degree():
     """Against fractions: OCCT itself is off by up to 1e-6 there."""
     surface = bezier_surface(STACK_ROOM, STACK_ROOM)
-    packer = Packer()
-    place, curve = packer.surface(surface), packer.curve(surface.UIso(0.0))
-    heap, degree = packer.heap(), STACK_ROOM - 1
+    flattener = Flattener()
+    place, curve = flattener.surface(surface), flattener.curve(surface.UIso(0.0))
+    coefficients, degree = flattener.coefficients(), STACK_ROOM - 1
     rows = [[Fraction(surface.Pole(i, j).Z()) for j in range(1, 27)] for i in range(1, 27)]
 
     def bernstein(poles, t):
@@ -183,9 +183,9 @@ def test_splines_of_the_highest_degree():
         along_v = [bernstein(differences(row), Fraction(v)) for row in rows]
         z = bernstein(across, Fraction(u))
         z_u, z_v = (bernstein(poles, Fraction(u)) for poles in (differences(across), along_v))
-        point, own_u, own_v = surface_at(heap, place, u, v)
+        point, own_u, own_v = surface_at(coefficients, place, u, v)
         assert point == pytest.approx([25 * u, 25 * v, float(z)], abs=1e-13)
         assert own_u == pytest.approx([25, 0, float(z_u)], abs=1e-12)
         assert own_v == pytest.approx([0, 25, float(z_v)], abs=1e-12)
-        found = curve_at(heap, curve, v)
+        found = curve_at(coefficients, curve, v)
         assert found[2] == pytest.approx(float(bernstein(rows[0], Fraction(v))), abs=1e-13)

@@ -90,12 +90,12 @@ def test_faults_are_healed_and_told() -> None:
     ("shape", "says"),
     [
         (next(subshapes(shapes.box((0, 0, 0), (1, 1, 1)), FACE)), "only a sheet of 1 faces"),
-        (compound([]), "no face either"),
+        (compound([]), "and no face"),
         (next(subshapes(open_solid(), FACE)), "only a sheet"),
     ],
 )
 def test_what_is_no_solid_is_named(shape, says: str) -> None:
-    with pytest.raises(v3dcad.KernelError, match=f"a file: holds no solid, .*{says}"):
+    with pytest.raises(v3dcad.KernelError, match=f"a file: contains no solid, .*{says}"):
         solid_part(shape, "a", "a file")
 
 

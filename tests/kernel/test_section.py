@@ -122,7 +122,7 @@ def test_nist_volumes(name: str):
         ),
         8,
     )
-    # What holds of CTC-02, whose faces gape, is in test_gapes.py.
+    # What holds of CTC-02, whose faces have gaps, is in test_gaps.py.
     assert found == pytest.approx(volume(shape), rel=1e-6)
 
 
@@ -145,7 +145,7 @@ def test_curved_solids(name: str):
     shape = CURVED[name]()
     mesh = surface_mesh(shape)
     turns = turning_points(
-        mesh.heap, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
+        mesh.coefficients, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
     )
     assert not turns.any()
     heights = middles(mesh, 200)

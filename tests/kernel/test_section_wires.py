@@ -19,7 +19,7 @@ from tests.kernel.exact import exact_area
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.section_wires import section_wires
 from v3dcad.kernel.shapes import EDGE, FACE, compound, subshapes
-from v3dcad.model import Placement, Run, Section
+from v3dcad.model import CurveRun, Placement, Section
 
 
 def wire_area(wire, z: float) -> float:
@@ -95,7 +95,7 @@ def test_points_that_occt_takes_for_one_do_not_stop_a_spline():
     angle = np.array([0, 0.5, 0.5 + 1e-9, 1, 2, 3, 4, 5, 6, 2 * np.pi - 1e-9])
     ring = 3 * np.column_stack([np.cos(angle), np.sin(angle)])
     for stop in (10, 9):
-        runs = [Run(0, 0, stop, "points", 0, ())]
-        runs += [Run(0, 9, 10, "line", 1, ())] if stop == 9 else []
+        runs = [CurveRun(0, 0, stop, "points", 0, ())]
+        runs += [CurveRun(0, 9, 10, "line", 1, ())] if stop == 9 else []
         (wire,) = section_wires(Section(1.0, (ring,), tuple(runs)))
         assert wire_area(wire, 1.0) == pytest.approx(9 * np.pi, rel=0.01)

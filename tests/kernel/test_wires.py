@@ -18,7 +18,7 @@ from one_diagram import GRID, power_diagram
 
 from v3dcad.geometry.surface.contour_curves import contours
 from v3dcad.kernel.wires import layer_trails, layer_wires
-from v3dcad.model import Floats, Layer, Placement, Run, Section, SiteState
+from v3dcad.model import CurveRun, Diagram, Floats, Layer, Placement, Section, SiteState
 
 PLACEMENT = Placement(np.eye(3), np.array([3.0, -7.0, 11.0]))
 NONE = np.empty((0, 2), np.int64)
@@ -52,8 +52,11 @@ def points_of(shape: TopoDS_Shape) -> Floats:
 def washer() -> Section:
     """A disc of radius 10 with a hole of radius 4, each ring in two runs of one circle."""
     outer, hole = around(96, 10, 10), around(48, 4, 4, way=-1)
-    runs = [Run(0, 0, 40, "circle", 0, (0.0, 0.0, 10.0)), Run(0, 40, 96, "circle", 1, (0, 0, 10.0))]
-    runs += [Run(1, 0, 48, "circle", 2, (0.0, 0.0, 4.0))]
+    runs = [
+        CurveRun(0, 0, 40, "circle", 0, (0.0, 0.0, 10.0)),
+        CurveRun(0, 40, 96, "circle", 1, (0, 0, 10.0)),
+    ]
+    runs += [CurveRun(1, 0, 48, "circle", 2, (0.0, 0.0, 4.0))]
     return Section(2.0, (outer, hole), tuple(runs))
 
 
@@ -95,13 +98,34 @@ def test_walls_end_on_the_arcs_and_keep_their_lines() -> None:
     assert shared.sum() >= on.sum() - 2  # the seam's vertices alone are no walls' ends
 
 
+def test_a_wall_that_ends_where_runs_meet_stays_there() -> None:
+    """A half disc whose corners lie 0.01 mm off its circle, as in a part with gaps."""
+    angle = np.linspace(0, np.pi, 25)
+    ring = 10 * np.column_stack([np.cos(angle), np.sin(angle)])
+    runs = CurveRun(0, 0, 24, "circle", 0, (0.0, 0.0, 10.01)), CurveRun(0, 24, 25, "line", 1, ())
+    number = np.arange(25)
+    boundary = np.column_stack([number, (number + 1) % 25])
+    owners = np.column_stack([np.full(25, -1), np.where((number >= 8) & (number < 24), 1, 0)])
+    wall = np.array([[24, 8]])  # from the corner where the circle ends to a point of the circle
+    diagram = Diagram(ring, np.vstack([boundary, wall]), np.vstack([owners, [[0, 1]]]), wall * 0)
+    zeros = np.zeros(2)
+    state = SiteState(np.zeros((2, 2)), zeros, zeros, zeros)
+    layer = Layer(0, Section(2.0, (ring,), runs), state, diagram, NONE, 1.0)
+    shape = layer_wires(layer, Placement.none())
+    points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(corner)) for corner in distinct(shape, TopAbs_VERTEX)]
+    found = np.array([(point.X(), point.Y()) for point in points])
+    assert np.hypot(*(found - ring[0]).T).min() < 1e-12
+    assert np.hypot(*(found - ring[24]).T).min() < 1e-12
+    assert np.sort(np.hypot(*found.T)) == pytest.approx([10, 10, 10.01], abs=1e-9)
+
+
 def test_an_ellipse_and_a_spline() -> None:
     ring = around(300, 12, 5, turn=0.4)
     parameters = (0.0, 0.0, 12 * math.cos(0.4), 12 * math.sin(0.4), 5 / 12)
     exact = length_of(layer_wires(layer_of(Section(1.0, (ring,), ()), np.zeros((1, 2))), PLACEMENT))
     lengths = {}
     for curve, known in (("ellipse", parameters), ("points", ())):
-        section = Section(1.0, (ring,), (Run(0, 0, 300, curve, 0, known),))
+        section = Section(1.0, (ring,), (CurveRun(0, 0, 300, curve, 0, known),))
         layer = layer_of(section, sites_in(9, 12))
         shape = layer_wires(layer, PLACEMENT)
         assert is_valid(shape)
@@ -116,7 +140,7 @@ def test_an_ellipse_and_a_spline() -> None:
 
 def test_a_circle_no_wall_ends_on_is_one_edge() -> None:
     section = replace(washer(), rings=(around(96, 10, 10),), runs=washer().runs[:1])
-    section = replace(section, runs=(Run(0, 0, 96, "circle", 0, (0.0, 0.0, 10.0)),))
+    section = replace(section, runs=(CurveRun(0, 0, 96, "circle", 0, (0.0, 0.0, 10.0)),))
     shape = layer_wires(layer_of(section, np.zeros((1, 2))), PLACEMENT)
     assert is_valid(shape)
     assert len(edges_of(shape)) == 1
@@ -140,7 +164,10 @@ def test_a_wall_that_ends_where_two_curves_meet_leaves_their_corner_alone() -> N
     angle = np.radians(np.linspace(0, 270, 73))
     arc = 10 * np.column_stack([np.cos(angle), np.sin(angle)])
     ring = np.vstack([arc, [[0.0, 0.0]]]).round(9)
-    runs = (Run(0, 0, 72, "circle", 0, (0.0, 0.0, 10.0005)), Run(0, 72, 74, "line", 1, ()))
+    runs = (
+        CurveRun(0, 0, 72, "circle", 0, (0.0, 0.0, 10.0005)),
+        CurveRun(0, 72, 74, "line", 1, ()),
+    )
     layer = layer_of_qhull(np.array([[-4.0, -2], [-8, -6]]), Section(1.0, (ring,), runs))
     (wall,) = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
     assert [0, -10] in wall.tolist()

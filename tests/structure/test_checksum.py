@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from v3dcad import FillSettings, Section, fill_sections
-from v3dcad.model import Checksum, Floats, PlaneSites
+from v3dcad.model import Checksum, Floats
 from v3dcad.structure.checksum import thesis_checksum
+from v3dcad.structure.thesis.sites import PlaneSites
 
 SQUARE = np.array([[0.0, 0], [40, 0], [40, 40], [0, 40]])
 
@@ -96,7 +97,9 @@ def test_the_order_of_the_thesiss_sites_does_not_matter() -> None:
     permuted = []
     for layer in layers:
         state = layer.state
-        rows = PlaneSites(state.sites[order], state.weights[order], state.growth[order])
+        rows = PlaneSites(
+            filling.grid, state.flat[order], state.weights[order], state.growth[order]
+        )
         pairs = np.sort(np.argsort(order)[layer.diagram.neighbours], axis=1)
         diagram = replace(layer.diagram, neighbours=pairs)
         permuted.append(replace(layer, state=rows, diagram=diagram))

@@ -21,7 +21,6 @@ THEIRS = (
     "v3dcad.geometry.clipping.ring_validity",
     "v3dcad.geometry.clipping.update",
     "v3dcad.geometry.clipping.planar_graph",
-    "v3dcad.geometry.graphs.dynamic_spanning_tree",
     "v3dcad.structure.wall_distance",
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""

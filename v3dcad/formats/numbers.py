@@ -11,7 +11,7 @@ NUMBER = (
 """Decimal, with or without point and exponent, or hexadecimal; ASCII only, and never inf or nan.
 Possessive throughout, so that no text takes more than one pass."""
 
-LONGEST = 800
+MAX_CHARACTERS = 800
 """Characters; no double needs more, in any of these forms."""
 
 _WHOLE = re.compile(NUMBER)
@@ -32,7 +32,7 @@ def matched_number(word: str) -> float:
 
 def number_in(word: str) -> float | None:
     """The value of a word; None where it is not a number."""
-    if len(word) > LONGEST or not _WHOLE.fullmatch(word):
+    if len(word) > MAX_CHARACTERS or not _WHOLE.fullmatch(word):
         return None
     return matched_number(word)
 

@@ -39,10 +39,12 @@ def read_sites(path: Path) -> Floats:
                         path=str(path), line=number,
                     )  # fmt: skip
                 if not all(map(math.isfinite, site)):
-                    raise FormatError("not a finite number", path=str(path), line=number)
+                    raise FormatError(
+                        "a coordinate is not a finite number", path=str(path), line=number
+                    )
                 sites.append(site)
     except (UnicodeDecodeError, csv.Error) as error:
         raise FormatError(f"not a CSV text file ({error})", path=str(path)) from error
     if not sites:
-        raise FormatError("holds no sites; write one `x,y,z` in mm a line", path=str(path))
+        raise FormatError("contains no sites; write one `x,y,z` in mm a line", path=str(path))
     return np.array(sites)

@@ -1,7 +1,13 @@
-"""Numbers in, numbers out: plane geometry on numpy arrays; knows no layer, part or file.
+"""Numbers in, numbers out: geometry on numpy arrays; knows no layer, part or file.
 
-exact → flips → triangulation → kinetics → cut → tree: the power-diagram engine, compiled by numba,
-on the integer points of grid; polygon: do rings cross?
+compiled                  the one door to numba
+power_diagram, clipping   power diagrams of points, and what lies inside a section's rings
+voronoi                   the walls of sites in space
+graphs                    spanning trees, trails
+surface, mesh             sections of true surfaces and of triangles
+solid                     facets, convex cells, bars
+arcs, section_area, print_time
+                          arcs in polylines, sections as shapely areas, how long moves take
 """
 
 from pathlib import Path

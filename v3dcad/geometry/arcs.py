@@ -10,8 +10,8 @@ from v3dcad.model import Floats
 def lengths(start: Floats, stop: Floats, centre: Floats) -> Floats:
     """(n,) mm from start (n, d) to stop (n, d), d 2 or 3, along the arcs about centre (n, 2).
 
-    Where the centre is NaN the step is straight. An arc is the shorter of the two that its
-    ends leave open, and lies at one height.
+    Where the centre is NaN the step is straight. An arc is the shorter of the two between its
+    ends, and lies at one height.
     """
     step = stop - start
     chord = np.sqrt((step * step).sum(axis=1))

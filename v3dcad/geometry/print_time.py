@@ -1,8 +1,8 @@
 """How long a printer takes: trapezoidal speeds, corners taken by junction deviation.
 
-A move speeds up, runs and slows down at one acceleration. How fast it may pass into the next
-follows from their angle (Jeon 2011, as in Grbl, Marlin and Klipper); looking back and ahead
-over the moves then gives the speed at every junction.
+A move speeds up, runs and slows down at one acceleration. The angle between two moves limits the
+speed at their junction (Jeon 2011, as in Grbl, Marlin and Klipper). A pass backward and a pass
+forward over the moves then give the speed at every junction.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def move_seconds(
 ) -> Floats:
     """(n,) seconds of moves that begin and end at rest.
 
-    `steps` (n, 3) are their directions, `length` (n,) their ways in mm, `still` (n,) the mm of
-    filament moved where the nozzle stands, `speed` (n,) the mm/s asked for.
+    `steps` (n, 3) are their directions, `length` (n,) their lengths, mm, `still` (n,) the mm of
+    filament moved while the nozzle does not move, `speed` (n,) the requested mm/s.
     """
     seconds = np.empty(len(steps))
     _plan(
@@ -75,7 +75,7 @@ def _plan(
                 squared += steps[k, axis] ** 2
             if square > 0 and squared > 0:
                 cosine = across / math.sqrt(square * squared)
-                # Half of the angle between the way back and the way on: 1 is straight on.
+                # Sine of half the angle at the junction: 1 is straight on.
                 half = math.sqrt(max(0.0, min(1.0, (1 + cosine) / 2)))
                 limit = min(speed[k - 1], speed[k]) ** 2
                 if corner * half < limit * (1 - half):

@@ -1,7 +1,7 @@
 """The only folder that imports OCP, the Python binding of the OCCT geometry kernel.
 
-`load` reads STEP and BREP, `part` is what it gives back, `section` cuts it by planes,
-`wires` and `step` turn layers into B-rep and write it.
+`load` reads STEP and BREP as the parts of `part`, `section` cuts them by planes, `wires` and `step`
+turn layers into B-rep and write it.
 """
 
 from v3dcad.errors import MissingKernelError
@@ -21,5 +21,5 @@ except ImportError as error:
         "run `pip install 'cadquery-ocp-novtk>=7.9,<8'`, then try again"
     ) from error
 
-# OCCT's own remarks stay off the user's terminal; what matters is raised as an error.
+# OCCT's own messages are not printed; what matters is raised as an error.
 Message.DefaultMessenger_s().ChangePrinters().Clear()

@@ -15,8 +15,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 
 from v3dcad.errors import SettingError
-from v3dcad.kernel.curves import TOLERANCE
-from v3dcad.kernel.shapes import compound, location
+from v3dcad.kernel.shapes import TOLERANCE, compound, location
 from v3dcad.model import Layer, Placement
 from v3dcad.settings import check_size
 
@@ -29,7 +28,7 @@ def layer_beads(
     """One compound of a layer's beads, where the source lies.
 
     The profile is swept along every edge, and turned about every vertex, so that beads end round
-    and overlap where they meet. It stands on the layer's height: a rectangle `width` by `height`,
+    and overlap where they meet. Its base is at the layer's height: a rectangle `width` by `height`,
     mm, or, `rounded`, one whose sides are half circles. Raises `SettingError` for a size of 0,
     another profile, or a rounded one that is higher than wide.
     """

@@ -1,4 +1,4 @@
-"""OCCT's booleans, with what its `IsDone` does not say looked after."""
+"""OCCT's booleans, with checks that its `IsDone` does not make."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from v3dcad.errors import KernelError
 
 
 def common(arguments: Iterable[TopoDS_Shape], tools: Iterable[TopoDS_Shape]) -> TopoDS_Shape:
-    """What the arguments and the tools both hold; may be empty."""
+    """The intersection of the arguments and the tools; may be empty."""
     return _done(BRepAlgoAPI_Common(), arguments, tools, "intersecting")
 
 
@@ -46,7 +46,7 @@ def _done(
     boolean.SetNonDestructive(True)
     boolean.Build()
     if not boolean.IsDone() or boolean.Shape().IsNull():
-        raise KernelError(f"OCCT failed at {what} shapes; change a site or the offset a bit")
+        raise KernelError(f"OCCT failed at {what} shapes; change a site or the offset slightly")
     return boolean.Shape()
 
 

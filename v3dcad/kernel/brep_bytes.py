@@ -14,8 +14,8 @@ from v3dcad.kernel.shapes import FACE, subshapes
 from v3dcad.model import Brep, Part
 
 APART = 1e-3
-"""mm; how far stated bounds may lie from those that OCCT finds, which its versions may round
-otherwise."""
+"""mm; largest difference between stated bounds and those that OCCT finds, which its versions may
+round differently."""
 
 
 def brep_of(part: Part) -> Brep:
@@ -29,7 +29,7 @@ def brep_of(part: Part) -> Brep:
     if part.stored is not None:
         return part.stored
     for face in subshapes(part.shape, FACE):
-        face.Checked(False)  # a mark that meshing takes away: the bytes must not tell
+        face.Checked(False)  # a flag that meshing clears; the bytes must not depend on it
     stream = io.BytesIO()
     version = BinTools_FormatVersion.BinTools_FormatVersion_CURRENT
     BinTools.Write_s(part.shape, stream, False, False, version)
@@ -46,7 +46,7 @@ def part_in(brep: Brep, name: str) -> SolidPart:
     shape = TopoDS_Shape()
     try:
         BinTools.Read_s(shape, io.BytesIO(brep.data))
-    except Exception as error:  # OCP hands on whatever OCCT throws
+    except Exception as error:  # whatever OCCT throws
         raise KernelError(f"{name}: OCCT cannot read its B-rep ({error})") from error
     if shape.IsNull():
         raise KernelError(f"{name}: OCCT cannot read its B-rep")

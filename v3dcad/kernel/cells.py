@@ -49,7 +49,9 @@ def cut_walls(solid: TopoDS_Shape, walls: Facets, placement: Placement) -> list[
     inside = common([compound(faces)], [solid])
     found = [TopoDS.Face_s(face) for face in subshapes(inside, FACE)]
     if not found or not 0 < area(inside) <= area(compound(faces)) * (1 + 1e-9):
-        raise KernelError("OCCT found no walls inside the part; change a site or the offset a bit")
+        raise KernelError(
+            "OCCT found no walls inside the part; change a site or the offset slightly"
+        )
     return connected_shells(found)
 
 
@@ -72,7 +74,7 @@ def cut_cells(
     if not pieces.miss(whole) <= LOSS:
         raise KernelError(
             f"OCCT's cells add up to {sum(pieces.volumes):.10g} mm³, the part to {whole:.10g}; "
-            "change a site or the offset a bit, or write thick walls (solid) instead"
+            "change a site or the offset slightly, or write thick walls (solid) instead"
         )
     return pieces.solids, np.array(pieces.centres)
 
@@ -121,7 +123,7 @@ def thick_walls(
     if not 0 < volume(result) < volume(solid):
         raise KernelError(
             f"OCCT's thick walls have {volume(result):.6g} mm³ of the part's {volume(solid):.6g}; "
-            "change the thickness or the offset a bit"
+            "change the thickness or the offset slightly"
         )
     return result
 
@@ -141,5 +143,5 @@ def _core(body: TopoDS_Solid, skin: float) -> TopoDS_Shape:
 def _faces(walls: Facets, placement: Placement) -> list[TopoDS_Shape]:
     faces = wall_faces(walls.moved(placement.to_source(walls.points)))
     if not faces:
-        raise KernelError("there are no walls: the part holds a single cell; give more sites")
+        raise KernelError("there are no walls: the part has a single cell; give more sites")
     return list(faces)

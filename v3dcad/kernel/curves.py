@@ -10,16 +10,12 @@ from OCP.TColgp import TColgp_Array1OfPnt, TColgp_HArray1OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
 
 from v3dcad.errors import KernelError
-from v3dcad.model import Floats, Run, Section
-
-TOLERANCE = 1e-7
-"""OCCT's confusion, mm: points closer than this are one."""
-
-REACH = 0.1
-"""mm; a wall's end is looked for on the exact curve this close to the chord it was cut at."""
+from v3dcad.geometry.surface.wall_ends import MAX_END_SHIFT
+from v3dcad.kernel.shapes import TOLERANCE
+from v3dcad.model import CurveRun, Floats, Section
 
 
-def run_curve(run: Run, section: Section) -> Geom_Curve | None:
+def run_curve(run: CurveRun, section: Section) -> Geom_Curve | None:
     """The exact curve of a run in bed coordinates, running as its ring does; None for a line.
 
     A circle or ellipse as the section says; of a run of points the cubic spline through them
@@ -50,12 +46,12 @@ def _frame(along: Floats, x: float, y: float, z: float, first: tuple[float, floa
 
 
 def _apart(along: Floats) -> Floats:
-    """The points (k, 2) of a run but those that OCCT would take for the same as one before."""
+    """The points (k, 2) of a run, without those that OCCT would not tell from the one before."""
     kept = [0]
-    for place in range(1, len(along)):
-        if np.hypot(*(along[place] - along[kept[-1]])) > 2 * TOLERANCE:
-            kept.append(place)
-    # The end stays where it is, even if what comes before it has to give way.
+    for k in range(1, len(along)):
+        if np.hypot(*(along[k] - along[kept[-1]])) > 2 * TOLERANCE:
+            kept.append(k)
+    # The end stays where it is, even if the point before it has to be dropped.
     kept[max(len(kept) - 1, 1) :] = [len(along) - 1]
     return along[kept]
 
@@ -64,8 +60,8 @@ def _spline(along: Floats, z: float) -> Geom_Curve:
     closed = bool((along[0] == along[-1]).all())
     through = along[:-1] if closed else along
     points = TColgp_HArray1OfPnt(1, len(through))
-    for place, (x, y) in enumerate(through.tolist(), start=1):
-        points.SetValue(place, gp_Pnt(x, y, z))
+    for k, (x, y) in enumerate(through.tolist(), start=1):
+        points.SetValue(k, gp_Pnt(x, y, z))
     spline = GeomAPI_Interpolate(points, closed, TOLERANCE)
     spline.Perform()
     if not spline.IsDone():
@@ -74,7 +70,7 @@ def _spline(along: Floats, z: float) -> Geom_Curve:
 
 
 def parameter_at(curve: Geom_Curve, point: Floats) -> float:
-    """Where on the curve the place nearest to a point (3,) lies."""
+    """The parameter of the curve's nearest point to a point (3,)."""
     projection = GeomAPI_ProjectPointOnCurve(gp_Pnt(*point.tolist()), curve)
     if projection.NbPoints() == 0:  # off one end of an open curve
         first, last = curve.FirstParameter(), curve.LastParameter()
@@ -85,16 +81,16 @@ def parameter_at(curve: Geom_Curve, point: Floats) -> float:
 
 
 def hit(curve: Geom_Curve, end: Floats, way: Floats) -> Floats:
-    """Where a wall that ends near the curve meets it, (3,).
+    """The point (3,), mm, where a wall that ends near the curve meets it.
 
-    The wall's line runs through `end` (3,) along `way` (3,). Newton's method on where line and
-    curve are equal; where the wall meets the curve too flat for that, the place nearest to `end`.
+    The wall's line runs through `end` (3,) along `way` (3,). Newton's method finds where it meets
+    the curve; where the angle is too flat for that, the nearest point to `end` is taken.
     """
-    place, tangent = gp_Pnt(), gp_Vec()
+    point, tangent = gp_Pnt(), gp_Vec()
     start = parameter = parameter_at(curve, end)
     for _ in range(12):
-        curve.D1(parameter, place, tangent)
-        off = end[:2] - (place.X(), place.Y())
+        curve.D1(parameter, point, tangent)
+        off = end[:2] - (point.X(), point.Y())
         rows = np.array([[tangent.X(), -way[0]], [tangent.Y(), -way[1]]])
         if abs(np.linalg.det(rows)) < 1e-3 * tangent.Magnitude() * np.hypot(*way[:2]):
             break
@@ -103,7 +99,7 @@ def hit(curve: Geom_Curve, end: Floats, way: Floats) -> Floats:
         if abs(step) * tangent.Magnitude() < 1e-12:
             break
     found = _point(curve, parameter)
-    return found if np.linalg.norm(found - end) < REACH else _point(curve, start)
+    return found if np.linalg.norm(found - end) < MAX_END_SHIFT else _point(curve, start)
 
 
 def span(curve: Geom_Curve, start: Floats, stop: Floats) -> tuple[float, float]:
@@ -124,8 +120,8 @@ def polyline(points: Floats) -> Geom_BSplineCurve:
     count = len(points)
     poles = TColgp_Array1OfPnt(1, count)
     knots, times = TColStd_Array1OfReal(1, count), TColStd_Array1OfInteger(1, count)
-    for place, (x, y, z) in enumerate(points.tolist(), start=1):
-        poles.SetValue(place, gp_Pnt(x, y, z))
-        knots.SetValue(place, place - 1.0)
-        times.SetValue(place, 2 if place in (1, count) else 1)
+    for k, (x, y, z) in enumerate(points.tolist(), start=1):
+        poles.SetValue(k, gp_Pnt(x, y, z))
+        knots.SetValue(k, k - 1.0)
+        times.SetValue(k, 2 if k in (1, count) else 1)
     return Geom_BSplineCurve(poles, knots, times, 1)

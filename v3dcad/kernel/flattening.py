@@ -1,4 +1,4 @@
-"""Curves and surfaces of OCCT as numbers in a heap, for the evaluators of `geometry`."""
+"""Curves and surfaces of OCCT as an array of coefficients, for the evaluators of `geometry`."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ from v3dcad.geometry.surface import curves, surfaces
 from v3dcad.model import Floats
 
 
-class Packer:
-    """A heap being filled."""
+class Flattener:
+    """Collects the coefficients of curves and surfaces (see `geometry/surface/curves.py`)."""
 
     def __init__(self) -> None:
         self.numbers: list[float] = []
 
-    def heap(self) -> Floats:
-        """All numbers so far."""
+    def coefficients(self) -> Floats:
+        """(c,) all coefficients so far."""
         return np.array(self.numbers, np.float64)
 
     def curve(self, curve: Any) -> int:
-        """The place of a `Geom_Curve` in the heap."""
+        """Add a `Geom_Curve`; returns the index of its first coefficient."""
         adaptor = GeomAdaptor_Curve(curve)
         kind = adaptor.GetType()
         if kind == GeomAbs_Line:
@@ -69,7 +69,10 @@ class Packer:
         return self._spline(GeomConvert.CurveToBSplineCurve_s(curve))
 
     def surface(self, surface: Any) -> int:
-        """The place of a `Geom_Surface` in the heap. `KernelError` for a kind not known."""
+        """Add a `Geom_Surface`; returns the index of its first coefficient.
+
+        `KernelError` for a kind of surface that is not known.
+        """
         adaptor = GeomAdaptor_Surface(surface)
         kind = adaptor.GetType()
         if kind == GeomAbs_Plane:
@@ -107,9 +110,9 @@ class Packer:
         raise KernelError("a face lies on a surface of a kind that OCCT does not name")
 
     def _add(self, kind: int, *numbers: float) -> int:
-        place = len(self.numbers)
+        index = len(self.numbers)
         self.numbers += [kind, *numbers]
-        return place
+        return index
 
     def _spline(self, spline: Any) -> int:
         periodic = spline.IsPeriodic()

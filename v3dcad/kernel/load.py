@@ -16,14 +16,14 @@ from v3dcad.errors import FormatError
 from v3dcad.kernel.part import SolidPart, solid_part
 
 TAIL = 4096
-"""Bytes in which the end of a STEP file is looked for."""
+"""Bytes at the end of a STEP file in which its end marker must be."""
 
 
 def load_step(path: Path) -> SolidPart:
     """The solids of a STEP file, in mm whatever the file's unit, assemblies in place.
 
     Raises `FormatError` where the file is not STEP, is cut off or cannot be read, `KernelError`
-    where it holds no closed solid.
+    where it contains no closed solid.
     """
     with path.open("rb") as file:
         if not file.read(256).lstrip().startswith(b"ISO-10303-21"):
@@ -43,8 +43,8 @@ def load_step(path: Path) -> SolidPart:
     model = reader.Model()
     numbers = range(1, model.NbEntities() + 1)
     unread = sum(model.IsUnknownEntity(k) or model.IsRedefinedContent(k) for k in numbers)
-    told = (f"{unread} entities of the file could not be read",) if unread else ()
-    return replace(part, findings=(*told, *part.findings))
+    lost = (f"{unread} entities of the file could not be read",) if unread else ()
+    return replace(part, findings=(*lost, *part.findings))
 
 
 def load_brep(path: Path) -> SolidPart:

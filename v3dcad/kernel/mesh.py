@@ -9,7 +9,7 @@ inside one face. Nothing is compared by its coordinates.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from OCP.Bnd import Bnd_Box
@@ -21,14 +21,11 @@ from OCP.BRepLib import BRepLib
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.gp import gp_Pnt2d
 from OCP.TopAbs import (
-    TopAbs_EDGE,
-    TopAbs_FACE,
     TopAbs_IN,
     TopAbs_REVERSED,
-    TopAbs_SOLID,
     TopAbs_VERTEX,
 )
-from OCP.TopExp import TopExp, TopExp_Explorer
+from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
@@ -37,13 +34,14 @@ from v3dcad.errors import KernelError
 from v3dcad.geometry.mesh.section import pair_sides
 from v3dcad.geometry.surface.critical_points import critical_points
 from v3dcad.geometry.surface.curves import curve_points
-from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.poles import with_meridians
 from v3dcad.geometry.surface.refinement import refined
 from v3dcad.geometry.surface.surfaces import surface_points
-from v3dcad.kernel.flattening import Packer
-from v3dcad.model import Ints, Mesh
+from v3dcad.kernel.flattening import Flattener
+from v3dcad.kernel.shapes import EDGE, FACE, SOLID, subshapes
+from v3dcad.model import Floats, Ints, Mesh
 
 DEFLECTION = 0.002
 """Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
@@ -90,23 +88,27 @@ def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:
     BRepLib.BuildCurves3d_s(shape)
     BRepMesh_IncrementalMesh(shape, sag, False, angle, False)
     collector = _Collector()
-    for solid in _subshapes(shape, TopAbs_SOLID):
+    for solid in subshapes(shape, SOLID):
         collector.add_solid(solid)
     return collector
-
-
-def _subshapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
-    explorer = TopExp_Explorer(shape, kind)
-    found = []
-    while explorer.More():
-        found.append(explorer.Current())
-        explorer.Next()
-    return found
 
 
 def _is_inside(face: TopoDS_Face, u: float, v: float) -> bool:
     """Whether (u, v) lies inside a face and not on its boundary."""
     return bool(BRepClass_FaceClassifier(face, gp_Pnt2d(u, v), 1e-9).State() == TopAbs_IN)
+
+
+class _Corners(NamedTuple):
+    """The triangles of all faces, and their corners."""
+
+    triangles: Ints
+    """(t, 3) corner ids"""
+    uv: Floats
+    """(c, 2) parameters of each corner on its face"""
+    faces: Ints
+    """(t,) the face of each triangle"""
+    nodes: Ints
+    """(c,) node id of each corner"""
 
 
 class _Collector:
@@ -116,10 +118,10 @@ class _Collector:
     """
 
     def __init__(self) -> None:
-        self.packer = Packer()
+        self.flattener = Flattener()
         self.faces: list[TopoDS_Face] = []
         self.surfaces: list[int] = []
-        self.gapes: list[float] = []
+        self.gaps: list[float] = []
         self.triangles: list[Ints] = []
         self.corner_uv: list[float] = []
         self.corner_node: list[int] = []
@@ -132,14 +134,14 @@ class _Collector:
     def add_solid(self, solid: TopoDS_Shape) -> None:
         vertices, edges = TopTools_IndexedMapOfShape(), TopTools_IndexedMapOfShape()
         TopExp.MapShapes_s(solid, TopAbs_VERTEX, vertices)
-        TopExp.MapShapes_s(solid, TopAbs_EDGE, edges)
+        TopExp.MapShapes_s(solid, EDGE, edges)
         self.vertices = vertices
         self.vertex_node = len(self.nodes) - 1
         for i in range(1, vertices.Extent() + 1):
             self.nodes.append(BRep_Tool.Pnt_s(TopoDS.Vertex_s(vertices.FindKey(i))).Coord())
         self.edges = edges
         self.divided: dict[int, tuple[int, int]] = {}
-        for face in _subshapes(solid, TopAbs_FACE):
+        for face in subshapes(solid, FACE):
             self._add_face(TopoDS.Face_s(face))
 
     def _add_face(self, face: TopoDS_Face) -> None:
@@ -157,7 +159,7 @@ class _Collector:
         self.corner_node += [-1] * count
         self.corner_face += [len(self.faces)] * count
         tolerance = 0.0
-        for edge in map(TopoDS.Edge_s, _subshapes(face, TopAbs_EDGE)):
+        for edge in map(TopoDS.Edge_s, subshapes(face, EDGE)):
             tolerance = max(tolerance, BRep_Tool.Tolerance_s(edge))
             polygon = BRep_Tool.PolygonOnTriangulation_s(edge, facets, place)
             if polygon is not None:
@@ -170,8 +172,8 @@ class _Collector:
             triangles = triangles[:, [0, 2, 1]]
         self.triangles.append(triangles)
         self.faces.append(face)
-        self.gapes.append(tolerance if tolerance > GAPE else 0.0)
-        self.surfaces.append(self.packer.surface(BRep_Tool.Surface_s(face)))
+        self.gaps.append(tolerance if tolerance > MIN_GAP else 0.0)
+        self.surfaces.append(self.flattener.surface(BRep_Tool.Surface_s(face)))
 
     def _add_boundary(self, edge: TopoDS_Edge, polygon: Any, first: int) -> None:
         """Give the corners along an edge the edge's nodes, and their sides its stretches."""
@@ -198,14 +200,14 @@ class _Collector:
         known = self.divided.get(name)
         if known is None:
             known = self.divided[name] = (len(self.nodes), len(self.stretches))
-            curve = self.packer.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0))
+            curve = self.flattener.curve(BRep_Tool.Curve_s(edge, 0.0, 0.0))
             shares = [polygon.Parameter(i) for i in range(1, count + 1)]
             self.nodes += [(np.nan, curve, share) for share in shares[1:-1]]
             self.stretches += [(curve, start, stop) for start, stop in pairwise(shares)]
         return known
 
     def mesh(self) -> SurfaceMesh:
-        heap = self.packer.heap()
+        coefficients = self.flattener.coefficients()
         surfaces = np.array(self.surfaces, np.int64)
         triangles = np.concatenate([np.empty((0, 3), np.int64), *self.triangles])
         uv = np.array(self.corner_uv).reshape(-1, 2)
@@ -216,69 +218,55 @@ class _Collector:
         nodes = np.array(self.nodes + [(0.0, 0.0, 0.0)] * len(inner))
         on_edge = np.flatnonzero(np.isnan(nodes[:, 0]))
         curves = nodes[on_edge, 1].astype(np.int64)
-        nodes[on_edge] = curve_points(heap, curves, nodes[on_edge, 2])
+        nodes[on_edge] = curve_points(coefficients, curves, nodes[on_edge, 2])
         beneath = surfaces[np.array(self.corner_face, np.int64)[inner]]
-        nodes[node_of[inner]] = surface_points(heap, beneath, uv[inner])
-        joined = _joined(
-            *(heap, surfaces, np.array(self.gapes), nodes, triangles, uv, owner, node_of),
-            *(self.stretches, self.stretch_ends),
-        )
+        nodes[node_of[inner]] = surface_points(coefficients, beneath, uv[inner])
+        joined = self._joined(coefficients, nodes, _Corners(triangles, uv, owner, node_of))
         return with_meridians(joined, np.isin(triangles, self.poles))
 
-
-def _joined(
-    heap: Any,
-    surfaces: Any,
-    gapes: Any,
-    nodes: Any,
-    triangles: Any,
-    uv: Any,
-    owner: Any,
-    node_of: Any,
-    stretches: list[tuple[int, float, float]],
-    stretch_ends: list[tuple[int, int, int]],
-) -> SurfaceMesh:
-    """Pair the sides of triangles of corners into mesh edges."""
-    tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    name = np.minimum(tail, head) * len(uv) + np.maximum(tail, head)
-    ends = np.array(stretch_ends, np.int64).reshape(-1, 3)
-    end_name = np.minimum(ends[:, 0], ends[:, 1]) * len(uv) + np.maximum(ends[:, 0], ends[:, 1])
-    order = np.argsort(end_name)
-    at = np.minimum(np.searchsorted(end_name[order], name), len(ends) - 1)
-    found = order[at]
-    on_edge = end_name[found] == name
-    stretch = np.where(on_edge, ends[found, 2], -1)
-    backward = np.where(on_edge, ends[found, 0] != tail, tail > head)
-    inner_names = np.unique(name)
-    key = np.where(on_edge, stretch, len(stretches) + np.searchsorted(inner_names, name))
-    kept = np.flatnonzero(node_of[tail] != node_of[head])
-    forward, partner, unpaired = pair_sides(key[kept], backward[kept])
-    if unpaired:
-        raise KernelError(
-            f"the part is not closed: {unpaired} stretches of edges have a face on one side only; "
-            "heal or sew it where it was made"
+    def _joined(self, coefficients: Floats, nodes: Floats, corners: _Corners) -> SurfaceMesh:
+        """Pair the sides of the triangles into mesh edges."""
+        triangles, uv, owner, node_of = corners
+        tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+        name = np.minimum(tail, head) * len(uv) + np.maximum(tail, head)
+        ends = np.array(self.stretch_ends, np.int64).reshape(-1, 3)
+        end_name = np.minimum(ends[:, 0], ends[:, 1]) * len(uv) + np.maximum(ends[:, 0], ends[:, 1])
+        order = np.argsort(end_name)
+        at = np.minimum(np.searchsorted(end_name[order], name), len(ends) - 1)
+        found = order[at]
+        on_edge = end_name[found] == name
+        stretch = np.where(on_edge, ends[found, 2], -1)
+        backward = np.where(on_edge, ends[found, 0] != tail, tail > head)
+        inner_names = np.unique(name)
+        key = np.where(on_edge, stretch, len(self.stretches) + np.searchsorted(inner_names, name))
+        kept = np.flatnonzero(node_of[tail] != node_of[head])
+        forward, partner, unpaired = pair_sides(key[kept], backward[kept])
+        if unpaired:
+            raise KernelError(
+                f"the part is not closed: {unpaired} stretches of edges have a face on one side "
+                "only; heal or sew it where it was made"
+            )
+        forward, partner = kept[forward], kept[partner]
+        sides = np.full(len(tail), -1, np.int64)
+        sides[forward] = sides[partner] = np.arange(len(forward))
+        curve = np.array(self.stretches).reshape(-1, 3)
+        lies = on_edge[forward]
+        spans = np.column_stack([uv[tail[forward]], uv[head[forward]]])
+        spans[lies] = 0.0
+        spans[lies, :2] = curve[stretch[forward[lies]], 1:]
+        curves = np.full(len(forward), -1, np.int64)
+        curves[lies] = curve[stretch[forward[lies]], 0]
+        return SurfaceMesh(
+            coefficients=coefficients,
+            surfaces=np.array(self.surfaces, np.int64),
+            nodes=nodes,
+            triangles=node_of[triangles],
+            corners=uv[triangles],
+            faces=owner,
+            sides=sides.reshape(-1, 3),
+            edge_nodes=np.column_stack([node_of[tail[forward]], node_of[head[forward]]]),
+            edge_faces=owner[forward // 3],
+            edge_curves=curves,
+            edge_spans=spans,
+            gaps=np.array(self.gaps),
         )
-    forward, partner = kept[forward], kept[partner]
-    sides = np.full(len(tail), -1, np.int64)
-    sides[forward] = sides[partner] = np.arange(len(forward))
-    curve = np.array(stretches).reshape(-1, 3)
-    lies = on_edge[forward]
-    spans = np.column_stack([uv[tail[forward]], uv[head[forward]]])
-    spans[lies] = 0.0
-    spans[lies, :2] = curve[stretch[forward[lies]], 1:]
-    curves = np.full(len(forward), -1, np.int64)
-    curves[lies] = curve[stretch[forward[lies]], 0]
-    return SurfaceMesh(
-        heap=heap,
-        surfaces=surfaces,
-        nodes=nodes,
-        triangles=node_of[triangles],
-        corners=uv[triangles],
-        faces=owner,
-        sides=sides.reshape(-1, 3),
-        edge_nodes=np.column_stack([node_of[tail[forward]], node_of[head[forward]]]),
-        edge_faces=owner[forward // 3],
-        edge_curves=curves,
-        edge_spans=spans,
-        gapes=gapes,
-    )

@@ -24,24 +24,24 @@ from OCP.TopoDS import (
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.mesh.bodies import bodies_of, containers, signed_volumes
 from v3dcad.kernel.part import SolidPart, solid_part
-from v3dcad.kernel.shapes import FACE, compound, subshapes
+from v3dcad.kernel.shapes import FACE, TOLERANCE, compound, subshapes
 from v3dcad.model import Floats, Ints, Mesh
 
-MOST_TRIANGLES = 20_000
-"""A B-rep of more plane faces than this is slow everywhere, and no gain over the mesh."""
+MAX_TRIANGLES = 20_000
+"""A B-rep of more plane faces than this is slow everywhere, without an advantage over the mesh."""
 
 
 def solid_of_mesh(mesh: Mesh, name: str, findings: tuple[str, ...] = ()) -> SolidPart:
     """A closed mesh, wound outwards, as solids with plane faces; coplanar triangles are one face.
 
     Vertices and edges are shared by id, nothing is sewn by tolerance. `GeometryError` for more
-    than `MOST_TRIANGLES` triangles, or an edge that more than two of them share.
+    than `MAX_TRIANGLES` triangles, or an edge that more than two of them share.
     """
     count = len(mesh.triangles)
-    if count > MOST_TRIANGLES:
+    if count > MAX_TRIANGLES:
         raise GeometryError(
             f"{name}: a mesh of {count:,} triangles is too large for a B-rep "
-            f"(at most {MOST_TRIANGLES:,}): fill it as a mesh, or simplify it first"
+            f"(at most {MAX_TRIANGLES:,}): fill it as a mesh, or simplify it first"
         )
     body = bodies_of(mesh.triangles)
     volumes = signed_volumes(mesh.vertices, mesh.triangles, body)
@@ -100,7 +100,7 @@ class _Shells:
             x, y, z = corners[0]
             raise GeometryError(
                 f"the triangle at ({x:.4g}, {y:.4g}, {z:.4g}) has no area: "
-                "such a mesh can be filled, but is no B-rep"
+                "such a mesh can be filled, but not made into a B-rep"
             )
         frame = gp_Ax3(
             gp_Pnt(*corners[0].tolist()), gp_Dir(*normal.tolist()), gp_Dir(*along.tolist())
@@ -114,7 +114,7 @@ class _Shells:
             x, y, z = self.points[start]
             raise GeometryError(
                 f"more than two triangles share the edge at ({x:.4g}, {y:.4g}, {z:.4g}): "
-                "such a mesh can be filled, but is no B-rep"
+                "such a mesh can be filled, but not made into a B-rep"
             )
         if name not in self.edges:
             ends = self._vertex(name[0]), self._vertex(name[1])
@@ -125,5 +125,5 @@ class _Shells:
     def _vertex(self, number: int) -> TopoDS_Vertex:
         if number not in self.vertices:
             vertex = self.vertices[number] = TopoDS_Vertex()
-            self.builder.MakeVertex(vertex, gp_Pnt(*self.points[number].tolist()), 1e-7)
+            self.builder.MakeVertex(vertex, gp_Pnt(*self.points[number].tolist()), TOLERANCE)
         return self.vertices[number]

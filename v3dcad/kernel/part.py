@@ -19,7 +19,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError, SettingError
-from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.section import CHORD_TOLERANCE
 from v3dcad.geometry.surface.wall_ends import exact_ends
@@ -38,13 +38,13 @@ from v3dcad.kernel.shapes import (
 )
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
-TESSELLATION = 0.05
-"""Largest distance of `SolidPart.mesh()` from the true surface, mm, and"""
-TURN = 0.3
-"""the largest turn between two of its neighbours, radians."""
+MESH_SAG = 0.05
+"""Largest distance of `SolidPart.mesh()` from the true surface, mm."""
+MESH_TURN = 0.3
+"""Largest angle between two neighbouring triangles of `SolidPart.mesh()`, radians."""
 
 
-HERE = Placement.none()
+UNMOVED = Placement.none()
 
 
 @lru_cache(maxsize=4)
@@ -65,7 +65,7 @@ class SolidPart:
     """what the user should know of how the file was read"""
     stored: Brep | None = None
     """the very bytes that the solids were read from, where they were"""
-    placement: Placement = HERE
+    placement: Placement = UNMOVED
     """how it came to where it is from where its source lies"""
 
     def contents(self) -> dict[str, str]:
@@ -111,8 +111,8 @@ class SolidPart:
         return exact_ends(layer, prepared(self.shape))
 
     def mesh(self) -> Mesh:
-        """The surface as triangles, within `TESSELLATION` of it."""
-        return triangle_mesh(self.shape, TESSELLATION, TURN)
+        """The surface as triangles, within `MESH_SAG` of it."""
+        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN)
 
 
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
@@ -123,11 +123,11 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     """
     solids = list(subshapes(shape, SOLID))
     if not solids:
-        raise KernelError(f"{where}: holds no solid, {_instead(shape)}; export a solid")
+        raise KernelError(f"{where}: contains no solid, {_instead(shape)}; export a solid")
     stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
     findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
     solid = _healed(compound(solids), findings)
-    findings += _gaping(solid)
+    findings += _gap_findings(solid)
     try:
         box = true_bounds(solid)
     except KernelError as error:
@@ -136,13 +136,13 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
 
 
 def _instead(shape: TopoDS_Shape) -> str:
-    """What there is where a solid should be."""
+    """What a shape without solids consists of."""
     faces = sum(1 for _ in subshapes(shape, FACE))
     if not faces:
-        return "and no face either"
+        return "and no face"
     shells = list(subshapes(shape, SHELL))
     if shells and all(BRep_Tool.IsClosed_s(shell) for shell in shells):
-        return f"only {len(shells)} closed shells of {faces} faces that nothing calls a solid"
+        return f"only {len(shells)} closed shells of {faces} faces that no solid refers to"
     return f"only a sheet of {faces} faces that encloses nothing"
 
 
@@ -162,19 +162,19 @@ def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     return mended
 
 
-def _gaping(solid: TopoDS_Shape) -> list[str]:
-    """What to tell of edges that may stand off their faces, by the tolerance stored with them."""
+def _gap_findings(solid: TopoDS_Shape) -> list[str]:
+    """What to report of edges that may lie off their faces, by the tolerance stored with them."""
     edges = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(solid, EDGE, edges)
     ids = range(1, edges.Extent() + 1)
-    gapes = np.array([BRep_Tool.Tolerance_s(TopoDS.Edge_s(edges(k))) for k in ids])
-    loose = int((gapes > GAPE).sum())
+    gaps = np.array([BRep_Tool.Tolerance_s(TopoDS.Edge_s(edges(k))) for k in ids])
+    loose = int((gaps > MIN_GAP).sum())
     if not loose:
         return []
-    worst = BRepAdaptor_Curve(TopoDS.Edge_s(edges(int(np.argmax(gapes)) + 1)))
+    worst = BRepAdaptor_Curve(TopoDS.Edge_s(edges(int(np.argmax(gaps)) + 1)))
     at = worst.Value((worst.FirstParameter() + worst.LastParameter()) / 2)
     return [
-        f"{loose} edges may stand off their faces by up to {gapes.max():.3g} mm, the worst near "
+        f"{loose} edges may lie off their faces by up to {gaps.max():.3g} mm, the worst near "
         f"({at.X():.6g}, {at.Y():.6g}, {at.Z():.6g}): contours step across such gaps, and where "
         "they cross themselves there the loops are cut off"
     ]

@@ -1,7 +1,7 @@
 """Plane faces on shared vertices and edges: walls and convex polyhedra as B-rep.
 
 Built with `BRep_Builder` on our own vertex and edge ids: quicker than sewing, and nothing is
-shared or parted by a tolerance. Plane faces need no curves in their parameters.
+joined or separated by a tolerance. Plane faces need no curves in their parameters.
 """
 
 from __future__ import annotations
@@ -29,12 +29,11 @@ from scipy.sparse.csgraph import connected_components
 
 from v3dcad.geometry.solid.convex_cells import Polyhedron
 from v3dcad.geometry.solid.facets import Facets
-from v3dcad.kernel.shapes import EDGE, subshapes
+from v3dcad.kernel.shapes import EDGE, TOLERANCE, subshapes
 from v3dcad.model import Floats
 
-TOLERANCE = 1e-7
 FLAT = 1e-6
-"""Times its width: a polygon of less height than this has no area to speak of."""
+"""A polygon whose height is less than this times its width is taken to have no area."""
 
 
 def wall_faces(walls: Facets) -> list[TopoDS_Face]:
@@ -64,7 +63,7 @@ def shell_of(faces: Iterable[TopoDS_Shape]) -> TopoDS_Shell:
 
 
 def connected_shells(faces: list[TopoDS_Face]) -> list[TopoDS_Shell]:
-    """One shell for each set of faces that hang together by shared edges."""
+    """One shell for each set of faces connected by shared edges."""
     known, rows, columns = TopTools_IndexedMapOfShape(), [], []
     for row, face in enumerate(faces):
         for edge in subshapes(face, EDGE):

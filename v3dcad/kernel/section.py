@@ -22,9 +22,9 @@ def section_solids(
     """Sections of a shape's solids at ascending heights (k,), mm, as they are computed.
 
     A shape that is sectioned more than once is better prepared once, by `surface_mesh`. With an
-    executor (threads, processes, or a cluster's), several planes are computed at a time; a
-    prepared part is all numbers and travels by itself. Results are the same without. Raises as
-    `surface_mesh` and `section_surface` do.
+    executor (threads, processes, or a cluster's), several planes are computed at a time, with the
+    same results; a prepared part consists of numbers only, so that it can be sent to a process.
+    Raises as `surface_mesh` and `section_surface` do.
     """
     mesh = part if isinstance(part, SurfaceMesh) else surface_mesh(part)
     return section_surface(mesh, heights, chord_tolerance, executor)

@@ -9,9 +9,9 @@ from OCP.gp import gp_Dir, gp_Pnt
 from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED
 from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 
-from v3dcad.kernel.curves import TOLERANCE, run_curve, span
-from v3dcad.kernel.shapes import location
-from v3dcad.model import Floats, Placement, Run, Section
+from v3dcad.kernel.curves import run_curve, span
+from v3dcad.kernel.shapes import TOLERANCE, location
+from v3dcad.model import CurveRun, Floats, Placement, Section
 
 
 def section_wires(section: Section, placement: Placement | None = None) -> list[TopoDS_Wire]:
@@ -22,11 +22,11 @@ def section_wires(section: Section, placement: Placement | None = None) -> list[
     closer. A section without runs (of triangles) gives polygons.
     """
     wires = []
-    runs: dict[int, list[Run]] = {}
+    runs: dict[int, list[CurveRun]] = {}
     for run in section.runs:
         runs.setdefault(run.ring, []).append(run)
     for number, ring in enumerate(section.rings):
-        lines = [Run(number, k, k + 1, "line", -1, ()) for k in range(len(ring))]
+        lines = [CurveRun(number, k, k + 1, "line", -1, ()) for k in range(len(ring))]
         wires.append(_wire(ring, section, runs.get(number, lines)))
     if placement is not None:
         motion = location(placement).Inverted()
@@ -34,7 +34,7 @@ def section_wires(section: Section, placement: Placement | None = None) -> list[
     return wires
 
 
-def _wire(ring: Floats, section: Section, runs: list[Run]) -> TopoDS_Wire:
+def _wire(ring: Floats, section: Section, runs: list[CurveRun]) -> TopoDS_Wire:
     builder = BRep_Builder()
     wire = TopoDS_Wire()
     builder.MakeWire(wire)
@@ -55,7 +55,7 @@ def _edge(
     builder: BRep_Builder,
     points: Floats,
     section: Section,
-    run: Run,
+    run: CurveRun,
     first: TopoDS_Vertex,
     last: TopoDS_Vertex,
 ) -> TopoDS_Edge:
@@ -67,14 +67,14 @@ def _edge(
         (first, points[0], start, TopAbs_FORWARD),
         (last, points[-1], stop, TopAbs_REVERSED),
     ):
-        gap = gp_Pnt(*point.tolist(), section.z).Distance(curve.Value(parameter))
-        if gap > TOLERANCE:
-            builder.UpdateVertex(vertex, 1.01 * gap)
+        distance = gp_Pnt(*point.tolist(), section.z).Distance(curve.Value(parameter))
+        if distance > TOLERANCE:
+            builder.UpdateVertex(vertex, 1.01 * distance)
         builder.Add(edge, vertex.Oriented(way))
     return edge
 
 
-def _curve(points: Floats, section: Section, run: Run) -> tuple[Geom_Curve, float, float]:
+def _curve(points: Floats, section: Section, run: CurveRun) -> tuple[Geom_Curve, float, float]:
     """The curve of a run, and its parameters at the run's first and last point."""
     curve = run_curve(run, section)
     if curve is None:

@@ -1,4 +1,4 @@
-"""Small things said often of OCCT shapes."""
+"""Small operations on OCCT shapes."""
 
 from __future__ import annotations
 
@@ -23,6 +23,9 @@ from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
 from v3dcad.model import Floats, Placement
 
 SOLID, SHELL, FACE, EDGE = TopAbs_SOLID, TopAbs_SHELL, TopAbs_FACE, TopAbs_EDGE
+
+TOLERANCE = 1e-7
+"""OCCT's confusion, mm: points closer than this are one."""
 
 ACCURACY = 1e-12
 """Relative error at which OCCT's adaptive integration may stop. Without one it takes a fixed Gauss
@@ -110,5 +113,5 @@ def placed_back(shape: TopoDS_Shape, placement: Placement) -> TopoDS_Shape:
         for row in range(1, 4)
         for column in range(1, 5)
     )
-    # There and back again is nowhere: say so, rather than carry two motions that cancel out.
+    # Two motions that cancel out are none.
     return moved.Located(TopLoc_Location()) if stays else moved

@@ -28,8 +28,8 @@ FUSE_CHECK = 0.01
 CUT_CHECK = 0.05
 """The same for a bar cut to the part, of the whole bar's volume."""
 
-SAG, TURN = 0.05, 0.3
-"""mm and radians: how far the meshes that bars are checked with may be off."""
+CHECK_SAG, CHECK_TURN = 0.05, 0.3
+"""mm and radians: tolerances of the meshes that bars are checked with."""
 
 
 def bars(points: Floats, struts: Ints, diameter: float) -> list[TopoDS_Shape]:
@@ -47,7 +47,7 @@ def bars(points: Floats, struts: Ints, diameter: float) -> list[TopoDS_Shape]:
         axis = gp_Ax2(gp_Pnt(*start.tolist()), gp_Dir(*along.tolist()))
         length = float(np.linalg.norm(along))
         cylinders.append(BRepPrimAPI_MakeCylinder(axis, diameter / 2, length).Shape())
-    # Askew, for OCCT loses balls whose poles or seams lie along a part's own.
+    # Tilted, since OCCT loses balls whose poles or seams lie along a part's own.
     ball = BRepPrimAPI_MakeSphere(gp_Ax2(gp_Pnt(), gp_Dir(0.48, 0.6, 0.64)), diameter / 2).Shape()
     joints = [ball.Located(_to(point)) for point in points[np.unique(struts)].tolist()]
     return [*cylinders, *joints]
@@ -59,15 +59,15 @@ def cut_bars(made: list[TopoDS_Shape], solid: TopoDS_Shape) -> list[TopoDS_Shape
     Raises `KernelError` where nothing does, and where OCCT leaves another volume of a bar than
     meshes do (by more than `CUT_CHECK` and what the meshes are off): it loses some at the surface.
     """
-    whole, inside = manifold(triangle_mesh(solid, SAG, TURN)), []
+    whole, inside = manifold(triangle_mesh(solid, CHECK_SAG, CHECK_TURN)), []
     for bar in made:
         pieces = list(subshapes(common([bar], [solid]), SOLID))
         found = sum(map(volume, pieces))
-        expected = (manifold(triangle_mesh(bar, SAG, TURN)) ^ whole).volume()
-        if abs(found - expected) > CUT_CHECK * volume(bar) + SAG * area(bar) / 2:
+        expected = (manifold(triangle_mesh(bar, CHECK_SAG, CHECK_TURN)) ^ whole).volume()
+        if abs(found - expected) > CUT_CHECK * volume(bar) + CHECK_SAG * area(bar) / 2:
             raise KernelError(
-                f"OCCT leaves {found:.3g} mm³ of a strut where {expected:.3g} lie in the part; "
-                "change the diameter a bit, or cut a mesh: write_stl(..., 'struts', cut=True)"
+                f"OCCT leaves {found:.3g} mm³ of a strut, but {expected:.3g} mm³ lie in the part; "
+                "change the diameter slightly, or cut a mesh: write_stl(..., 'struts', cut=True)"
             )
         inside += pieces
     if not inside:

@@ -16,8 +16,8 @@ from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 
 from v3dcad.geometry.graphs.trails import trails
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
-from v3dcad.kernel.curves import TOLERANCE, hit, polyline, run_curve, span
-from v3dcad.kernel.shapes import compound, location
+from v3dcad.kernel.curves import hit, polyline, run_curve, span
+from v3dcad.kernel.shapes import TOLERANCE, compound, location
 from v3dcad.model import Floats, Ints, Layer, Placement
 
 
@@ -54,7 +54,7 @@ def layer_trails(layer: Layer, placement: Placement) -> TopoDS_Compound:
 
 
 class Arc(NamedTuple):
-    """A stretch of a contour, where the source lies."""
+    """A stretch of a contour, in the source's coordinates."""
 
     chain: list[int]
     """vertex ids along it"""
@@ -71,7 +71,7 @@ class Arc(NamedTuple):
 
 
 class _Drawing(NamedTuple):
-    """What is to be drawn of a layer."""
+    """The points and curves of a layer."""
 
     points: Floats
     """(v, 3) the diagram's vertices where the source lies; walls end on the exact contour"""
@@ -124,16 +124,16 @@ class _Corners:
     def wire(self, arcs: list[Arc], closed: bool) -> TopoDS_Wire | None:
         """A wire along arcs, each starting where the one before ends.
 
-        A segment no longer than the tolerance is passed over: its ends are one vertex. None where
+        A segment no longer than the tolerance is left out: its ends are one vertex. None where
         nothing is left.
         """
         wire = TopoDS_Wire()
         self.builder.MakeWire(wire)
         pieces = [piece for arc in arcs for piece in arc.pieces()]
         edges, start = 0, pieces[0][0]
-        for place, (_, stop, arc) in enumerate(pieces, start=1):
+        for number, (_, stop, arc) in enumerate(pieces, start=1):
             if arc is None and self._one(start, stop):
-                if place < len(pieces):
+                if number < len(pieces):
                     continue
                 break
             edge = self._line(start, stop) if arc is None else self._edge(start, stop, arc)

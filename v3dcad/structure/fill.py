@@ -184,9 +184,9 @@ class Filling:
             index, some = index + len(chunk), max(1, min(AT_ONCE, some))
 
     def _layer(self, index: int, section: Section, sliced: Sliced, time: int) -> Layer:
-        diagram, tree, area_per_cell = sliced
+        diagram, area_per_cell = sliced
         state = SlicedSites(self.foam, self.sites, time)
-        return Layer(index, section, state, diagram, tree, area_per_cell)
+        return Layer(index, section, state, diagram, area_per_cell)
 
 
 def refuse_heights(sections: Sequence[Section]) -> None:

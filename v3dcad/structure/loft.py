@@ -7,15 +7,16 @@ of the height: each can be computed alone, which is their exact loft.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, PlaneSites, Section
+from v3dcad.model import OUTSIDE, Diagram, Floats, Ints, Layer, Section
 from v3dcad.structure.lazy_layers import LayerSequence
 from v3dcad.structure.thesis.cells import corner_signatures, rings
-from v3dcad.structure.thesis.loop import ThesisFilling, plane_sites
+from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.structure.thesis.sites import PlaneSites
 
 STRAIGHT = 1e-6
 """mm; a ring's point this close to the line of the two beside it makes no corner."""
@@ -28,6 +29,10 @@ class LoftedLayers(LayerSequence):
     first: Layer
     last: Layer
     """its diagram's vertices and edges in the order of the first one's"""
+    sites: PlaneSites
+    """as they are on the first layer"""
+    grown: Floats
+    """(n,) mm²: weights on the last layer"""
     heights: Floats
     """(l,) mm, where the layers are"""
     contours: tuple[Ints, ...]
@@ -49,17 +54,13 @@ class LoftedLayers(LayerSequence):
         vertices = (1 - share) * below.vertices + share * stop.diagram.vertices
         diagram = Diagram(vertices, below.edges, below.edge_sites, below.neighbours)
         contours = tuple(vertices[ring] for ring in self.contours)
-        state = PlaneSites(
-            sites=start.state.sites,
-            weights=(1 - share) * start.state.weights + share * stop.state.weights,
-            growth=start.state.growth,
-        )
+        weights = (1 - share) * self.sites.weights + share * self.grown
+        state = replace(self.sites, weights=weights)
         return Layer(
             index=index,
             section=Section(z, contours),
             state=state,
             diagram=diagram,
-            tree=start.tree,
             area_per_cell=_area_per_cell(diagram, len(state.sites)),
         )
 
@@ -79,15 +80,14 @@ def lofted(filling: ThesisFilling, heights: Floats) -> LoftedLayers:
     above = filling.diagram_of(filling.sites, grown, stop)
     order = matching_vertices(below, above)
     above = Diagram(above.vertices[order], below.edges, below.edge_sites, below.neighbours)
-    tree = filling.tree_of(filling.sites, below)
+    sites = PlaneSites(filling.grid, filling.sites, weightless, growth)
 
-    def layer(index: int, section: Section, weights: Floats, diagram: Diagram) -> Layer:
-        state = plane_sites(filling.sites, weights, growth)
-        return Layer(index, section, state, diagram, tree, _area_per_cell(diagram, len(growth)))
+    def layer(index: int, section: Section, state: PlaneSites, diagram: Diagram) -> Layer:
+        return Layer(index, section, state, diagram, _area_per_cell(diagram, len(growth)))
 
-    first = layer(0, start, weightless, below)
-    last = layer(len(heights) - 1, stop, grown, above)
-    return LoftedLayers(first, last, heights, tuple(rings(below, OUTSIDE)))
+    first = layer(0, start, sites, below)
+    last = layer(len(heights) - 1, stop, replace(sites, weights=grown), above)
+    return LoftedLayers(first, last, sites, grown, heights, tuple(rings(below, OUTSIDE)))
 
 
 def _area_per_cell(diagram: Diagram, count: int) -> float:

@@ -33,6 +33,9 @@ from v3dcad.toolpath.route import Walk, minimum_join, walks
 from v3dcad.toolpath.solid import hatch
 from v3dcad.toolpath.trim import trimmed
 
+NO_TREE = np.empty((0, 2), np.int64)
+"""For routes that need none."""
+
 
 class Stroke(NamedTuple):
     """One stroke of the nozzle: `points` (k + 1, 2), mm, and for each of the k steps
@@ -125,7 +128,8 @@ class Plan:
         laid = graph.lengths()
         if self.settings.overlap_compensation:
             laid = laid - shared_length(graph, self.settings.bead_width)
-        for walk in walks(graph, self.settings.route, join, self.here, self.layer.tree):
+        tree = self.layer.tree if self.settings.route == "tree" else NO_TREE
+        for walk in walks(graph, self.settings.route, join, self.here, tree):
             yield self._moved_to(_stroke(graph, walk, laid))
 
     def _moved_to(self, stroke: Stroke) -> Stroke:

@@ -46,10 +46,10 @@ def test_the_users_own_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"bead_width = \nflow = 1", r"no TOML: .*line 1"),
-        (b"bead_with = 1", "bead_with is no setting; did you mean bead_width?"),
-        (b"zzz = 1", "zzz is no setting; see"),
-        (b"[machine]\nbed = 1", "machine is no setting"),
+        (b"bead_width = \nflow = 1", r"not valid TOML: .*line 1"),
+        (b"bead_with = 1", "bead_with is not a setting; did you mean bead_width?"),
+        (b"zzz = 1", "zzz is not a setting; see"),
+        (b"[machine]\nbed = 1", "machine is not a setting"),
         (b'bead_width = "wide"', "bead_width = 'wide': give a number"),
         (b"arcs = 1", "arcs = 1: give true or false"),
         (b"perimeters = 1.5", "perimeters = 1.5: give a whole number"),
@@ -58,7 +58,7 @@ def test_the_users_own_file(tmp_path: Path) -> None:
         (b"flow = inf", "give a finite number"),
         (b'route = "spiral"', "route: --route spiral: give"),
         (b'bed = "wide"', "write two lengths"),
-        (b"flow = 1\n# \xff", "line 2: no UTF-8"),
+        (b"flow = 1\n# \xff", "line 2: not UTF-8"),
         (b"#" * 1_000_001, "larger than 1 MB"),
     ],
 )

@@ -34,6 +34,12 @@ def test_lengths_filament_layers_and_bounds(read) -> None:
     assert found.greatest == (20, 20, 0.4)
 
 
+def test_bounds_include_where_extrusion_begins(read) -> None:
+    found = read("G28\nG0 X1 Y9 Z1 F600\nG1 X5 Y5 E1\n")
+    assert found.least == (1, 5, 1)
+    assert found.greatest == (5, 9, 1)
+
+
 def test_relative_moves_and_extrusion(read) -> None:
     found = read("G28\nG1 X0 Y0 Z1 F600\nG91\nG1 X5 E1\nG1 X5 E1\nG90\nM83\nG1 X0 E0.5\n")
     assert found.extruded_mm == pytest.approx(20)
@@ -88,11 +94,11 @@ def test_travels_alone_have_no_bounds(read) -> None:
     [
         ("", "no moves"),
         ("M104 S200\n; nothing\n", "no moves"),
-        ("G1 X1\nG1 X1.2.3\n", "line 2: '.3' is no word of G-code"),
-        ("G1 Xone\n", "line 1: 'XONE' is no word"),
+        ("G1 X1\nG1 X1.2.3\n", "line 2: '.3' is not a word of G-code"),
+        ("G1 Xone\n", "line 1: 'XONE' is not a word"),
         ("G1 X" + "9" * 400 + "\n", "line 1: a number is too large"),
-        ("G1 X1\nG1\0X2\n", "line 2: this is no G-code"),
-        ("G1 X1 " + " " * 5000 + "\n", "line 1: this is no G-code"),
+        ("G1 X1\nG1\0X2\n", "line 2: this is not G-code"),
+        ("G1 X1 " + " " * 5000 + "\n", "line 1: this is not G-code"),
     ],
 )
 def test_what_is_no_gcode(read, text: str, message: str) -> None:

@@ -48,6 +48,12 @@ def test_without_markers_the_extrusions_are_found_and_said(read) -> None:
     assert "first extrusion (line 4)" in found.finding()
 
 
+def test_a_move_that_repeats_its_e_extrudes_nothing(read) -> None:
+    found = read("G92 E0\nG1 X1 Y1 E0\nG1 X2 E1\nG1 X3 E1\nM84\n")
+    assert found.prepended == "G92 E0\nG1 X1 Y1 E0\n"
+    assert found.appended == "G1 X3 E1\nM84\n"
+
+
 def test_relative_extrusion_and_retractions_at_the_end(read) -> None:
     found = read("M83\nG1 E5\nG1 X1 E0.1\nG1 X2 E0.1\nG1 X0 E-2\nG1 E-1\nM84\n")
     assert found.prepended == "M83\nG1 E5\n"
@@ -57,9 +63,9 @@ def test_relative_extrusion_and_retractions_at_the_end(read) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("G28\nSTART\nG1 X1 E1\n", r"line 2: there is no line END"),
-        ("G28\nG1 X1 E1\nEND\n", r"line 3: there is no line START"),
-        ("END\nG28\nSTART\n", r"line 1: END stands before START \(line 3\)"),
+        ("G28\nSTART\nG1 X1 E1\n", r"line 2: a line END is missing"),
+        ("G28\nG1 X1 E1\nEND\n", r"line 3: a line START is missing"),
+        ("END\nG28\nSTART\n", r"line 1: END comes before START \(line 3\)"),
         ("G28\nM84\n", "neither START and END markers nor a move that extrudes"),
         ("", "neither START"),
         ("G28\n; größer\n".encode(), "line 2: this is not plain ASCII"),

@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 from simulated_printer import Printer
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode.blocks import spoken
+from v3dcad.formats.gcode.blocks import duration_text
 from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
 from v3dcad.formats.gcode.reader import read_gcode
 from v3dcad.formats.gcode.writer import Totals, check_fits, write_gcode
 from v3dcad.geometry.print_time import step_seconds
-from v3dcad.model import EXTRUDE, RETRACT, Layer, Toolpath
+from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 
@@ -182,6 +182,9 @@ def test_progress_rises_to_the_end() -> None:
     assert [p for p, _ in progress] == sorted(p for p, _ in progress)
     assert [r for _, r in progress] == sorted((r for _, r in progress), reverse=True)
     assert len(progress) > 25
+    total = totals.time_s / 60
+    for percent, minutes in progress:
+        assert abs(minutes - total * (1 - percent / 100)) <= 0.5 + total / 100
 
 
 def test_fan_starts_at_its_layer() -> None:
@@ -201,7 +204,7 @@ def test_thumbnail_is_the_png() -> None:
     body = "".join(line[2:] for line in found[2].splitlines())
     assert len(body) == int(found[1])
     assert base64.b64decode(body) == png
-    with pytest.raises(SettingError, match="no PNG"):
+    with pytest.raises(SettingError, match="not a PNG"):
         write_gcode(io.StringIO(), [], PrintSettings(), thumbnail=b"GIF89a")
 
 
@@ -214,7 +217,7 @@ def test_placeholders_are_filled_in() -> None:
 def test_unknown_placeholder_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = PrintSettings(end_gcode="M104 S{temperature}")
-    with pytest.raises(SettingError, match=r"--end-gcode: nothing is known of \{temperature\}"):
+    with pytest.raises(SettingError, match=r"--end-gcode: \{temperature\} is not a known"):
         write_gcode(stream, trace(stack(1), options), options)
     assert stream.getvalue() == ""
 
@@ -267,6 +270,35 @@ def test_a_part_larger_than_the_bed() -> None:
         check_fits(bounds, PrintSettings())
     with pytest.raises(SettingError, match=r"30\.00 mm high"):
         check_fits(bounds / [2, 1, 1], PrintSettings(build_height=20))
+
+
+def test_a_contour_printed_on_its_centre_needs_half_a_bead_on_either_side() -> None:
+    settings = PrintSettings(contour="centre", bead_width=0.8)
+    bed = np.array(settings.bed_size())
+    fits = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])
+    fits[:, :2] *= (bed - 0.8 - 1e-9) / 2
+    check_fits(fits, settings)
+    fits[1, 1] += 0.1
+    with pytest.raises(SettingError, match=r"0.10 mm too large in y"):
+        check_fits(fits, settings)
+
+
+def test_no_feed_is_zero() -> None:
+    """F0 stops some printers, and others take it for their last feed."""
+    points = np.array([[0.0, 0, 0.2], [1, 0, 0.2]])
+    toolpath = Toolpath(
+        points,
+        np.array([TRAVEL, EXTRUDE], np.int8),
+        np.array([0.0, 0.1]),
+        np.array([10.0, 0.001]),
+        np.zeros(2, np.int64),
+        np.array([0, 2], np.int8),
+        np.full((2, 2), np.nan),
+    )
+    stream = io.StringIO()
+    write_gcode(stream, [toolpath], PrintSettings())
+    feeds = re.findall(r"^G[01].* F(\d+)$", stream.getvalue(), re.MULTILINE)
+    assert feeds[-1] == "1"
 
 
 @pytest.mark.parametrize(
@@ -358,7 +390,7 @@ def test_lines_say_their_numbers(rows: list[tuple[int | None, ...]]) -> None:
     ("seconds", "words"), [(5.4, "5s"), (65, "1m 5s"), (3600, "1h 0m 0s"), (90061, "1d 1h 1m 1s")]
 )
 def test_durations(seconds: float, words: str) -> None:
-    assert spoken(seconds) == words
+    assert duration_text(seconds) == words
 
 
 @pytest.mark.parametrize("route", ["least-retrace", "trails"])

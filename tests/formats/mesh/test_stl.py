@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.mesh.stl import ascii_stl, binary_stl, normals, read_stl
+from v3dcad.formats.mesh.stl import ascii_stl, binary_stl, normals, read_stl, welded
 from v3dcad.model import Mesh
 
 TETRAHEDRON = Mesh(
@@ -66,6 +66,16 @@ def test_triangles_without_area_are_left_out(tmp_path: Path) -> None:
     assert len(read_stl(written(tmp_path, binary_stl(flat))).triangles) == 4
 
 
+@pytest.mark.parametrize("zero", [0.0, -0.0])
+def test_there_is_one_zero(zero: float) -> None:
+    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 0], [1, 0, 0], [1, 1, 0]]])
+    corners[0][corners[0] == 0] = zero
+    corners[1][corners[1] == 0] = -zero
+    mesh = welded(corners, "a")
+    assert len(mesh.vertices) == 4
+    assert not np.signbit(mesh.vertices).any()
+
+
 def test_crlf_capitals_and_exponents(tmp_path: Path) -> None:
     text = ascii_stl(TETRAHEDRON, "X").replace("vertex 1.0", "VERTEX +1.0E+00")
     text = text.replace("endsolid", "ENDSOLID").replace("solid X", "SOLID X", 1)
@@ -94,26 +104,26 @@ GOOD = ascii_stl(TETRAHEDRON, "x")
         (b"", "empty"),
         (b"hello, world", "line 1: 'hello, world' is not the `solid` line"),
         (b"\x00" * 200, "neither ASCII"),
-        (b"header".ljust(80) + b"\xff\xff\xff\x7f" + b"\x00" * 16, "announces 2147483647"),
-        (binary_stl(TETRAHEDRON)[:-7], "announces 4"),
+        (b"header".ljust(80) + b"\xff\xff\xff\x7f" + b"\x00" * 16, "states 2147483647"),
+        (binary_stl(TETRAHEDRON)[:-7], "states 4"),
         (GOOD.replace("endsolid x", "").encode(), "cut off"),
         (
             GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 zero 0.0", 1).encode(),
-            "line 6: 'vertex 1.0 zero 0.0' stands where",
+            "line 6: 'vertex 1.0 zero 0.0' is not",
         ),
         (
             GOOD.replace("      vertex 1.0 0.0 0.0\n", "", 1).encode(),
-            "line 6: 'endloop' stands where `vertex x y z`",
+            "line 6: 'endloop' is not `vertex x y z`",
         ),
         (
             GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1.0 0.0", 1).encode(),
-            "line 6: 'vertex 1.0 0.0' stands where",
+            "line 6: 'vertex 1.0 0.0' is not",
         ),
         (GOOD.replace("vertex 1.0 0.0 0.0", "vertex nan 0.0 0.0", 1).encode(), "line 6.*nan"),
         (GOOD.replace("vertex 1.0 0.0 0.0", "vertex 1e999 0.0 0.0", 1).encode(), "not finite"),
         (binary_stl(TETRAHEDRON)[:-6] + b"\0\0\xc0\x7f\0\0", "triangle 4 .* not a finite"),
         (b"solid x\nendsolid x\n", "no triangles"),
-        (GOOD.encode() + b"1 2 3\n", "line 31: '1 2 3' stands after the solid's end"),
+        (GOOD.encode() + b"1 2 3\n", "line 31: '1 2 3' comes after the end of the solid"),
     ],
 )
 def test_damaged_files_are_refused(tmp_path: Path, content: bytes, says: str) -> None:

@@ -231,9 +231,9 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(STL, "[LAYER_HEIGHT]", "[HEIGHT]"), r"section \[LAYER_HEIGHT\]: is missing"),
         (changed(STL, "[VORONOI_SEED", "[VORONOI"), r"\[VORONOI_SEED_COORDINATES\]: is missing"),
         (changed(STL, SOLID, ""), r"\[BREP_PART_STL\]: is missing"),
-        (STL + "[OFFSET_VALUE]\n1\n", r"line 54, section \[OFFSET_VALUE\]: stands here a second"),
-        (STL + SOLID, r"\[BREP_PART_STL\]: stands here a second time"),
-        (MESH + SOLID, r"line 15, section \[BOUNDARY\]: stands here beside \[BREP_PART_STL\]"),
+        (STL + "[OFFSET_VALUE]\n1\n", r"line 54, section \[OFFSET_VALUE\]: is given twice"),
+        (STL + SOLID, r"\[BREP_PART_STL\]: is given twice"),
+        (MESH + SOLID, r"line 15, section \[BOUNDARY\]: comes in addition to \[BREP_PART_STL\]"),
         (changed(STL, "]\n0.15", "]\n0.15 mm"), r"line 4, section \[LAYER_HEIGHT\].*'0.15 mm'"),
         (changed(STL, "]\n0.15", "]\n0,15"), "decimal point, not a comma"),
         (changed(STL, "]\n0.15", "]\n-0.15"), "give a number above 0 mm"),
@@ -243,27 +243,27 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(STL, "]\n0.15", "]\n1e999"), "'1e999' is not a finite number"),
         (changed(STL, "]\n0.15", "]\n1_0"), "'1_0' is not a finite number"),
         (changed(STL, "]\n0.15", "]\n0." + "1" * 800), "is not a finite number"),
-        (changed(STL, "]\n0.15", "]\n1\n2"), "holds more than one line"),
-        (changed(STL, "]\n0.15", "]\n"), "holds nothing"),
+        (changed(STL, "]\n0.15", "]\n1\n2"), "contains more than one line"),
+        (changed(STL, "]\n0.15", "]\n"), "contains nothing"),
         (changed(STL, "]\n0.15", "]\n/etc/layer_height"), "'/etc/layer_height' is not a finite"),
         (changed(STL, "0.1,0.2,0\n", "0.1,0.2\n"), r"line 6.*'0.1,0.2' is not three numbers"),
         (changed(STL, "0.1,0.2,0\n", "0.1,0.2,0,4\n"), r"line 6.*is not three numbers"),
         (changed(STL, "0.1,0.2,0\n", "0.1,inf,0\n"), "line 6.*'inf'"),
         (changed(STL, "0.1,0.2,0\n", "...\n"), r"line 6.*'...' is not three numbers"),
-        (re.sub("0.1,0.2,0\n.*?\n", "", STL, count=1), "line 5.*holds no sites"),
-        (STL[:500], r"line 27, section \[BREP_PART_STL\]: 'vertex 1.0 0.0 0.' stands where"),
+        (re.sub("0.1,0.2,0\n.*?\n", "", STL, count=1), "line 5.*contains no sites"),
+        (STL[:500], r"line 27, section \[BREP_PART_STL\]: 'vertex 1.0 0.0 0.' is not"),
         (STL[: STL.index("endfacet")], r"line 16, .*cut off: `endfacet` or `endsolid` is missing"),
         (changed(STL, "solid mesh", "parts/mesh.stl"), r"'parts/mesh.stl' is not the `solid` line"),
-        (changed(STL, "vertex 1.0 0.0", "vertex one 0.0"), "'vertex one 0.0 0.0' stands where"),
-        (changed(STL, "vertex 1.0 0.0", "vertex 0.0"), r"'vertex 0.0 0.0' stands where `vertex x"),
+        (changed(STL, "vertex 1.0 0.0", "vertex one 0.0"), "'vertex one 0.0 0.0' is not"),
+        (changed(STL, "vertex 1.0 0.0", "vertex 0.0"), r"'vertex 0.0 0.0' is not `vertex x"),
         (changed(STL, "vertex 1.0 0.0", "vertex 1e999 0"), "number that is not finite"),
-        (re.sub("facet.*endfacet\n", "", STL, flags=re.S), "it holds no triangles"),
+        (re.sub("facet.*endfacet\n", "", STL, flags=re.S), "it contains no triangles"),
         (changed(STL, "[V3DCAD]\n", "[V3DCAD]\nfile = a.brep\n"), "`file` is unknown"),
         (changed(STL, "[V3DCAD]\n", "[V3DCAD]\na.brep\n"), "'a.brep' is not `key = value`"),
         (changed(STL, "format = 1", "format = 2"), "format 2, this v3dcad reads up to 1; update"),
         (changed(STL, "format = 1", "format = one"), "'one' is not a whole number"),
         (changed(STL, "format = 1\n", ""), r"line 39, section \[V3DCAD\]: `format` is missing"),
-        (changed(STL, "format = 1\n", "format = 1\nformat = 1\n"), "`format` stands here a second"),
+        (changed(STL, "format = 1\n", "format = 1\nformat = 1\n"), "`format` is given twice"),
         (changed(STL, "v3dcad 1.2.3", "../../x"), "'../../x' is not a program's name and version"),
         (changed(STL, "units = mm", "units = inch"), "'inch' is unknown.*reads 'mm'"),
         (changed(STL, "[V3DCAD]", "[X]"), r"\[V3DCAD\]: is missing"),
@@ -275,7 +275,7 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(STL, "random_seed = 7", "method = /bin/sh"), "'/bin/sh' is not a value"),
         (changed(STL, "random_seed = 7", "insertion = yes"), "'yes' is not a value"),
         (changed(STL, "sites = 2", "sites = 10000000"), "10000000.*at most 200000"),
-        (changed(STL, "sites = 2", "sites = 100000"), "announces 100000 sites, 2 are given"),
+        (changed(STL, "sites = 2", "sites = 100000"), "states 100000 sites, but 2 are listed"),
         (changed(STL, "layers = 3", "layers = three"), "'three' is not a whole number"),
         (changed(STL, "sha256 = ab", "sha256 = xy"), "is not 64 hexadecimal digits"),
         (changed(STL, "walls = 12\n", ""), r"\[CHECKSUM\]: `walls` is missing"),
@@ -285,13 +285,13 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(BREP_TEXT, "kind = brep", "kind = file:///etc/passwd"), "is unknown"),
         (changed(BREP_TEXT, "low = -1", "low = 2"), "`low` does not lie below its `high`"),
         (changed(BREP_TEXT, "lzma-base85", "zip"), "'zip' is unknown.*reads 'lzma-base85'"),
-        (changed(BREP_TEXT, "crc32 = ", "crc32 = 0"), "their CRC-32 is another"),
-        (changed(BREP_TEXT, "size = 36", "size = 37"), "announces 37 bytes and holds 36"),
-        (changed(BREP_TEXT, "size = 36", "size = 35"), "announces 35 bytes and holds more"),
+        (changed(BREP_TEXT, "crc32 = ", "crc32 = 0"), "their CRC-32 does not match"),
+        (changed(BREP_TEXT, "size = 36", "size = 37"), "states 37 bytes and contains 36"),
+        (changed(BREP_TEXT, "size = 36", "size = 35"), "states 35 bytes and contains more"),
         (changed(BREP_TEXT, "\n:", "\n:é"), "packed lines are damaged"),
         (changed(BREP_TEXT, "\n:", "\n:zzzz"), "packed lines are damaged"),
-        (with_packed("brep", NESTED), "does not hold a B-rep"),
-        (with_packed("mesh", NESTED), "the mesh announces"),
+        (with_packed("brep", NESTED), "does not contain a B-rep"),
+        (with_packed("mesh", NESTED), "the mesh states"),
         (with_packed("mesh", b""), "header is cut off"),
         (with_packed("brep", b"", size=1 << 40), "more than the 134217728 allowed"),
         ("[a]\n" + "\n".join(f"[{k}]" for k in range(500)), "more than 200 sections"),
@@ -308,7 +308,7 @@ def test_damaged_files_are_refused(text: str | bytes, says: str) -> None:
 def test_a_bomb_takes_no_more_memory_than_it_announces() -> None:
     bomb = with_packed("mesh", bytes(40 << 20), size=1000)
     tracemalloc.start()
-    with pytest.raises(FormatError, match="announces 1000 bytes and holds more"):
+    with pytest.raises(FormatError, match="states 1000 bytes and contains more"):
         read(bomb)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
@@ -316,15 +316,15 @@ def test_a_bomb_takes_no_more_memory_than_it_announces() -> None:
 
 
 def test_too_long_a_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ont, "MOST_BYTES", 100)
+    monkeypatch.setattr(ont, "MAX_FILE_BYTES", 100)
     (tmp_path / "a.ont").write_text(STL, encoding="utf-8")
-    with pytest.raises(FormatError, match="larger than the 100 bytes"):
+    with pytest.raises(FormatError, match="larger than 100 bytes"):
         read_ont(tmp_path / "a.ont")
 
 
 def test_this_form_of_boundary_needs_triangles_and_sites() -> None:
     for unfit in (recipe(BREP), replace(recipe(), sites=None)):
-        with pytest.raises(ValueError, match="holds triangles and lists the sites"):
+        with pytest.raises(ValueError, match="needs triangles and a list of sites"):
             ont_text(unfit, "stl")
 
 

@@ -80,7 +80,7 @@ def test_the_bunny_takes_less_than_five_bytes_a_triangle() -> None:
 
 
 def test_more_triangles_than_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mesh_code, "MOST_TRIANGLES", 79)
+    monkeypatch.setattr(mesh_code, "MAX_TRIANGLES", 79)
     ball = trimesh.creation.icosphere(subdivisions=1)
     data = mesh_bytes(Mesh(np.asarray(ball.vertices), np.asarray(ball.faces)), NOWHERE)
     with pytest.raises(ValueError, match="more than 79 triangles"):
@@ -96,13 +96,13 @@ SYMBOLS = HEADER.size
     ("data", "says"),
     [
         (b"", "header is cut off"),
-        (GOOD[:-1], "announces 115 bytes and has 114"),
+        (GOOD[:-1], "states 115 bytes and has 114"),
         (bytes([12]) + GOOD[1:], "unknown form"),
         (GOOD[:13] + np.array([np.nan]).tobytes() + GOOD[21:], "unknown form"),
-        (GOOD[:SYMBOLS] + b"\4" + GOOD[SYMBOLS + 1 :], "refers to a vertex that is not there"),
-        (GOOD[:SYMBOLS] + b"\2" + GOOD[SYMBOLS + 1 :], "refers to a vertex that is not there"),
-        (GOOD[: SYMBOLS + 3] + b"\1" + GOOD[SYMBOLS + 4 :], "announces 3 vertices"),
-        (HEADER.pack(0, 0, 0, 1, 0, 0, 0) + bytes(4), "leaves old corners over"),
+        (GOOD[:SYMBOLS] + b"\4" + GOOD[SYMBOLS + 1 :], "refers to a vertex that does not exist"),
+        (GOOD[:SYMBOLS] + b"\2" + GOOD[SYMBOLS + 1 :], "refers to a vertex that does not exist"),
+        (GOOD[: SYMBOLS + 3] + b"\1" + GOOD[SYMBOLS + 4 :], "states 3 vertices"),
+        (HEADER.pack(0, 0, 0, 1, 0, 0, 0) + bytes(4), "has more old corners than its walk uses"),
         (bytes([SINGLE]) + GOOD[1:-72] + b"\xff" * 72, "not finite"),
     ],
 )

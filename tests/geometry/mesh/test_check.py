@@ -86,6 +86,15 @@ def test_overlap_with_a_hollow_body_keeps_the_cavity():
     assert len(findings) == 1
 
 
+def test_a_cavity_belongs_to_the_smallest_body_around_it():
+    """A hollow body inside the cavity of another, neither touched."""
+    shells = [box((-r, -r, -r), (r, r, r)) for r in (4.0, 3.0, 2.0, 1.0)]
+    nested = together(shells[0], flipped(shells[1]), shells[2], flipped(shells[3]))
+    found, findings = checked_mesh(nested)
+    assert findings == []
+    assert volume(found) == pytest.approx(8**3 - 6**3 + 4**3 - 2**3)
+
+
 def test_a_body_inside_another_is_swallowed():
     mesh, findings = checked_mesh(together(box((-1, -1, -1), (3, 3, 3)), CUBE))
     assert volume(mesh) == pytest.approx(64)

@@ -119,7 +119,7 @@ def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch):
     ball = as_mesh(trimesh.creation.icosphere(3))
     heights = np.linspace(-1, 1, 21)
     whole = section_mesh(ball, heights)
-    monkeypatch.setattr(mesh_section, "BATCH", 100)
+    monkeypatch.setattr(mesh_section, "CROSSINGS_PER_BATCH", 100)
     for one, other in zip(whole, section_mesh(ball, heights), strict=True):
         assert one.z == other.z
         assert all(map(np.array_equal, one.rings, other.rings))

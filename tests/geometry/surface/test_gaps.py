@@ -1,6 +1,8 @@
-"""Parts whose edges stand off their faces: sections that can be filled, and what they enclose."""
+"""Parts whose edges lie off their faces: sections that can be filled, and what they enclose."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,11 +17,12 @@ import v3dcad
 from tests.kernel import shapes
 from tests.kernel.exact import breaks, closed_volume, exact_area, face_volume, integrated
 from tests.parts import part_file, ring_area
-from v3dcad.geometry.surface.gaps import GAPE
+from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.kernel.mesh import surface_mesh
 from v3dcad.kernel.part import solid_part
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import EDGE, bounds, subshapes
+from v3dcad.model import Section
 
 CTC_02 = "nist_ctc_02_asme1_rc.stp"
 
@@ -55,7 +58,7 @@ def test_straight_runs_lie_on_their_faces(x: float, y: float, lost: float) -> No
     (section,) = section_solids(shape, np.array([5.0]))
     (ring,) = section.rings
     assert shapely.LinearRing(ring).is_simple
-    # To second order in the gape; leaning from edge to edge would lose (4 y + 6 x) / 2.
+    # To second order in the gap; leaning from edge to edge would lose (4 y + 6 x) / 2.
     assert ring_area(ring) == pytest.approx(24 - lost, abs=1e-12 + abs(x * y))
     at = 0
     for run in section.runs:
@@ -69,28 +72,52 @@ def test_straight_runs_lie_on_their_faces(x: float, y: float, lost: float) -> No
     assert len({run.face for run in long}) == 4
 
 
-def test_an_edge_that_hardly_stands_off_is_left_alone() -> None:
-    (section,) = section_solids(dented_box(GAPE / 4, GAPE / 4, GAPE / 2), np.array([5.0]))
+def test_an_edge_that_hardly_lies_off_its_face_changes_nothing() -> None:
+    (section,) = section_solids(dented_box(MIN_GAP / 4, MIN_GAP / 4, MIN_GAP / 2), np.array([5.0]))
     assert [run.curve for run in section.runs] == ["line"] * 4
     assert len(section.rings[0]) == 4
 
 
-def test_gapes_are_told_once_for_the_part() -> None:
+def test_gaps_are_reported_once_for_the_part() -> None:
     part = solid_part(dented_box(0.05, 0.03, 0.06), "a", "a")
-    (told,) = part.findings
-    assert told.startswith(
-        "1 edges may stand off their faces by up to 0.06 mm, the worst near (0.0"
+    (finding,) = part.findings
+    assert finding.startswith(
+        "1 edges may lie off their faces by up to 0.06 mm, the worst near (0.0"
     )
     assert solid_part(shapes.box((0, 0, 0), (1, 1, 1)), "a", "a").findings == ()
 
 
-def test_a_real_part_that_gapes_can_be_filled() -> None:
+def is_simple(section: Section) -> bool:
+    rings = [shapely.linearrings(ring) for ring in section.rings]
+    return bool(shapely.is_simple(shapely.multilinestrings(rings)))
+
+
+@pytest.mark.parametrize(("gaps", "is_cut"), [(7.5, True), (8.5, False)])
+def test_a_loop_is_cut_off_up_to_eight_gaps(gaps: float, is_cut: bool) -> None:
+    """A longer one may be the part's own: it stays, for `fill` to refuse."""
+    loop = 2 * (0.05 + 0.03)
+    (section,) = section_solids(dented_box(-0.05, -0.03, loop / gaps), np.array([5.0]))
+    assert is_simple(section) == is_cut
+
+
+def test_a_wedge_with_a_gap_is_cut_where_its_faces_meet(samples: Path) -> None:
+    part = v3dcad.place_on_bed(samples / "wedge.step")
+    (finding,) = part.findings
+    assert "lie off their faces by up to 0.0358 mm" in finding
+    for section in part.sections(np.linspace(0.0, 10.0, 21)):
+        assert is_simple(section)
+        (ring,) = section.rings
+        assert ring_area(ring) == pytest.approx(20**2 * np.tan(np.radians(21)), rel=1e-9)
+    structure = v3dcad.fill(part, layer_height=2, sites=10)
+    assert len(structure.layers) == 5
+
+
+def test_a_real_part_with_gaps_can_be_filled() -> None:
     part = v3dcad.place_on_bed(part_file(CTC_02))
-    assert any("stand off their faces by up to 0.108 mm" in told for told in part.findings)
+    assert any("lie off their faces by up to 0.108 mm" in finding for finding in part.findings)
     heights = part.bounds[1, 2] * (np.arange(100) + 0.5) / 100
     for section in part.sections(np.append(30.0, heights[np.argsort(heights) > 7])):
-        rings = shapely.multilinestrings([shapely.linearrings(ring) for ring in section.rings])
-        assert shapely.is_simple(rings), section.z
+        assert is_simple(section), section.z
         for number in range(len(section.rings)):
             runs = [run for run in section.runs if run.ring == number]
             stops = [run.stop for run in runs]
@@ -104,8 +131,8 @@ def test_a_real_part_that_gapes_can_be_filled() -> None:
 
 @pytest.mark.long
 def test_sections_enclose_the_volume_that_the_closed_faces_do() -> None:
-    """GProp's volume of gaping faces is not one number: it depends on the point that its cones
-    start from. With the gapes closed by strips it is, and it is the sections'.
+    """Where faces have gaps GProp's volume depends on the point that its cones start from. With the
+    gaps closed by strips it does not, and it is the sections'.
     """
     shape = shapes.nist("ctc_02_asme1_rc")
     mesh = surface_mesh(shape)

@@ -4,7 +4,7 @@ from numba import njit
 from scipy.spatial import KDTree
 
 from tests.geometry.voronoi import oracle
-from v3dcad.geometry.exact import COMPILED
+from v3dcad.geometry.compiled.options import ENTRY
 from v3dcad.geometry.voronoi.periodic import with_copies
 from v3dcad.structure.foam.darts import poisson_disk
 from v3dcad.structure.foam.energy import ACTIVE, DISTANCE, PUSH, WEIGHT, add_gradients
@@ -14,7 +14,7 @@ BOX = np.array([6.0, 5.5, 6.5])
 LEAN = 0.6
 
 
-@njit(**{**COMPILED, "cache": False})
+@njit(**{**ENTRY, "cache": False})
 def gradients_of(foam, lean, slack):
     add_gradients(foam, lean, slack)
 

@@ -66,3 +66,9 @@ def test_what_no_foam_reaches_is_an_error():
     with pytest.raises(GeometryError, match=r"τ = 0\.6") as caught:
         relax(places, np.ones(len(places)), box, 0.6, stages=(), effort=30)
     assert caught.value.site is not None
+
+
+def test_a_box_that_is_too_small_is_an_error():
+    places = np.array([[0.0, 0, 0], [1.5, 1.5, 1.5]])
+    with pytest.raises(GeometryError, match="4 radii"):
+        relax(places, np.ones(2), np.array([9.0, 9.0, 3.0]), 2.0)

@@ -9,11 +9,14 @@ from scipy.spatial import Voronoi
 
 from v3dcad.errors import SettingError
 from v3dcad.geometry.power_diagram.grid import STEPS
+from v3dcad.geometry.voronoi.bins import bins_of
 from v3dcad.geometry.voronoi.cells import voronoi_cells
 from v3dcad.geometry.voronoi.measures import extents
+from v3dcad.geometry.voronoi.periodic import with_copies
+from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.geometry.voronoi.steepest import steepest_wall
 from v3dcad.structure.foam import make_tile
-from v3dcad.structure.foam.tile import SIZE, TAU_SQUARED, pattern, stretch_for, tiles
+from v3dcad.structure.foam.tile import MARGIN_CELLS, SIZE, TAU_SQUARED, pattern, stretch_for, tiles
 
 SEEDS = st.integers(0, 2**63 - 1)
 
@@ -43,7 +46,7 @@ def test_no_wall_of_a_part_leans_over_the_angle(angle, random_seed):
     size = np.array([27.0, 27.0, 27.0 * stretch])
     foam = pattern(1.0, random_seed, 31.0)
     high = np.ceil(size / foam.pitch / [1, 1, stretch]).astype(np.int64)
-    sites = foam.sites_in(np.zeros(3, np.int64), high)
+    sites = foam.sites_in(np.zeros(3, np.int64), high)[0]
     inside = ((sites >= 0) & (sites <= high)).all(axis=1)
     assert inside.sum() >= 10_000
     wall = steepest_wall(sites, np.zeros(3, np.int64), high)
@@ -56,7 +59,7 @@ def test_no_wall_of_a_part_leans_over_the_angle(angle, random_seed):
 def test_qhull_finds_no_steeper_wall():
     foam = pattern(1.0, 0, 14.0)
     high = np.full(3, round(10 / foam.pitch))
-    sites = foam.sites_in(np.zeros(3, np.int64), high)
+    sites = foam.sites_in(np.zeros(3, np.int64), high)[0]
     diagram = Voronoi(sites.astype(np.float64))
     worst = 0.0
     for (i, j), ends in zip(diagram.ridge_points, diagram.ridge_vertices, strict=True):
@@ -66,6 +69,16 @@ def test_qhull_finds_no_steeper_wall():
             worst = max(worst, abs(z) / np.hypot(x, y))
     assert worst**2 <= TAU_SQUARED
     assert steepest_wall(sites, np.zeros(3, np.int64), high).tau == pytest.approx(worst)
+
+
+def test_the_margin_holds_all_sites_that_matter():
+    """Proven: no point of space is farther from its nearest site than the margin."""
+    for tile in tiles():
+        around = with_copies(tile.sites.astype(np.float64), np.array(SIZE, np.float64), 3e4)
+        bins = bins_of(around, around.min(axis=0), around.max(axis=0), periodic=False)
+        bounds = cell_reaches(bins, around, np.zeros(3), np.array(SIZE, np.float64))
+        cell = SIZE[0] / sqrt(tile.cells_per_section)
+        assert bounds.max() < MARGIN_CELLS * cell
 
 
 def box(draw_low, draw_size):
@@ -84,10 +97,10 @@ def box(draw_low, draw_size):
 def test_sites_do_not_depend_on_the_box_that_they_are_asked_for(seed, cell, low, size, inset):
     foam = pattern(cell, seed, 30.0)
     low, high = box(low, size)
-    whole = foam.sites_in(low, high)
+    whole = foam.sites_in(low, high)[0]
     inner_low = low + np.minimum(inset, size)
     inner_high = np.maximum(inner_low, high - np.array(inset))
-    part = foam.sites_in(inner_low, inner_high)
+    part = foam.sites_in(inner_low, inner_high)[0]
     reach = inner_low - foam.margin, inner_high + foam.margin
     expected = whole[((whole >= reach[0]) & (whole <= reach[1])).all(axis=1)]
     # The same sites, in the same order.
@@ -95,6 +108,15 @@ def test_sites_do_not_depend_on_the_box_that_they_are_asked_for(seed, cell, low,
     assert len(whole) == foam.count_in(low, high)
     assert len(np.unique(whole, axis=0)) == len(whole)
     assert (whole % foam.multiple == 0).all()
+
+
+def test_sites_on_the_edge_of_what_is_in_reach_are_in():
+    foam = pattern(1.0, 0, 10.0)
+    site = foam.sites[0] * foam.multiple
+    for way in np.concatenate([np.eye(3, dtype=np.int64), -np.eye(3, dtype=np.int64)]):
+        edge = site + way * foam.margin
+        assert (foam.sites_in(edge, edge)[0] == site).all(axis=1).any()
+        assert not (foam.sites_in(edge + way, edge + way)[0] == site).all(axis=1).any()
 
 
 @settings(max_examples=20)
@@ -128,7 +150,7 @@ def test_seeds_only_shift_and_turn(seed):
 
 def test_seeds_give_different_sites():
     low, high = np.zeros(3, np.int64), np.full(3, 1 << 22)
-    found = {pattern(1.0, seed, 10.0).sites_in(low, high).tobytes() for seed in range(20)}
+    found = {pattern(1.0, seed, 10.0).sites_in(low, high)[0].tobytes() for seed in range(20)}
     assert len(found) == 20
 
 
@@ -137,7 +159,7 @@ def test_cell_size_is_that_of_sections():
     cell, foam = 0.7, pattern(0.7, 3, 40.0)
     side = SIZE[0] * foam.multiple
     high = np.array([side, side, SIZE[2] * foam.multiple])
-    sites = foam.sites_in(np.zeros(3, np.int64), high).astype(np.float64)
+    sites = foam.sites_in(np.zeros(3, np.int64), high)[0].astype(np.float64)
     wanted = np.flatnonzero(((sites >= 0) & (sites < high)).all(axis=1))
     low, top = extents(voronoi_cells(sites, wanted))
     cells = (top - low)[:, 2].sum() / high[2]
@@ -170,3 +192,15 @@ def test_the_program_makes_the_shipped_file(tmp_path, monkeypatch):
     make_tile.main()
     shipped = make_tile.Path(make_tile.__file__).parent / make_tile.TILES
     assert made.read_bytes() == shipped.read_bytes()
+
+
+def test_cells_lie_within_the_reaches_that_are_shipped():
+    for tile in tiles():
+        around = with_copies(
+            tile.sites.astype(np.float64), np.array(SIZE, np.float64), 3 * make_tile.RADIUS
+        )
+        low, high = extents(voronoi_cells(around, np.arange(len(tile.sites))))
+        below, above = tile.sites[:, 2] - low[:, 2], high[:, 2] - tile.sites[:, 2]
+        true = np.column_stack([below, above])
+        assert (tile.reaches >= true).all()
+        assert (tile.reaches <= true + 2).all()

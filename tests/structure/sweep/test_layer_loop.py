@@ -19,7 +19,7 @@ from v3dcad.structure.sweep.layer_loop import run, walks
 pytestmark = pytest.mark.slow
 
 JAMS = (7, 8, 30)
-TIMES, MADE = 6, 8
+TIMES, MADE = 5, 7
 """Which of the arguments of the compiled loop these are."""
 
 SCATTERED = np.random.default_rng(3).uniform([-4, -4, -6], [SIDE + 4, SIDE + 4, 30], (160, 3))

@@ -3,7 +3,7 @@
 writer           a toolpath to a file: header, progress, moves
 moves            words of steps
 lines            text of words, compiled
-blocks           what stands before and after the moves
+blocks           header, start and end blocks
 reader           what a G-code file does
 machine_profile  profiles of machines, read from TOML
 template         header and footer of an example file (Algorithm 12)

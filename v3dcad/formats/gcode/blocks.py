@@ -1,4 +1,4 @@
-"""What stands before and after the moves: header, thumbnail, start and end blocks."""
+"""The text before and after the moves: header, thumbnail, start and end blocks."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
             lines += [f";{name}{a}:{value:.3f}" for a, value in zip("XYZ", corner, strict=True)]
     lines += [
         ";Generated with v3dcad",
-        f"; estimated printing time (normal mode) = {spoken(totals.time_s)}",
+        f"; estimated printing time (normal mode) = {duration_text(totals.time_s)}",
         f"; filament used [mm] = {totals.filament_mm:.2f}",
         f"; filament used [g] = {totals.mass_g:.2f}",
     ]
@@ -72,9 +72,9 @@ def ending(settings: PrintSettings, totals: Totals) -> str:
 def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> str:
     """A start or end block, its placeholders replaced by values.
 
-    `{bed_temperature}` stands for that setting, likewise `{time_s}`, `{filament_mm}`,
-    `{layers}` and `{height}`; `{{` and `}}` stand for braces. Raises `SettingError` for an
-    unknown one.
+    `{bed_temperature}` is replaced by that setting, and so are `{time_s}`, `{filament_mm}`,
+    `{layers}` and `{height}`; `{{` and `}}` by braces. Raises `SettingError` for an unknown
+    placeholder.
     """
     known = {f.name: getattr(settings, f.name) for f in fields(settings)}
     del known["start_gcode"], known["end_gcode"]
@@ -89,9 +89,9 @@ def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> st
         if word not in known:
             raise SettingError(
                 name,
-                f"{option(name)}: nothing is known of {{{word}}}; write the name of a setting, "
-                f"{{time_s}}, {{filament_mm}}, {{layers}} or {{height}}, or {{{{{word}}}}} "
-                "for the braces themselves",
+                f"{option(name)}: {{{word}}} is not a known placeholder; write the name of a "
+                f"setting, {{time_s}}, {{filament_mm}}, {{layers}} or {{height}}, or "
+                f"{{{{{word}}}}} for the braces themselves",
             )
         found = known[word]
         return f"{found:g}" if isinstance(found, float) else str(found)
@@ -99,7 +99,7 @@ def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> st
     return PLACEHOLDER.sub(value, block)
 
 
-def spoken(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """A duration as slicers write it, such as 1h 2m 3s."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
@@ -121,7 +121,7 @@ def _acceleration(settings: PrintSettings) -> list[str]:
 
 def _thumbnail(png: bytes) -> list[str]:
     if not png.startswith(PNG) or len(png) < 24:
-        raise SettingError("thumbnail", "the thumbnail is no PNG; give a PNG's bytes")
+        raise SettingError("thumbnail", "the thumbnail is not a PNG; give the bytes of a PNG")
     width, height = (int.from_bytes(png[at : at + 4], "big") for at in (16, 20))
     text = base64.b64encode(png).decode("ascii")
     rows = [text[at : at + THUMBNAIL_LINE] for at in range(0, len(text), THUMBNAIL_LINE)]

@@ -14,16 +14,16 @@ from v3dcad.geometry.compiled.arrays import (
     ConstIntArray,
     ConstIntRows,
 )
-from v3dcad.geometry.compiled.options import ENTRY, compiled
+from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.model import Ints
 
 COLUMNS = 7
-PLACE, CENTRE, E, F = slice(0, 3), slice(3, 5), 5, 6
+XYZ, IJ, E, F = slice(0, 3), slice(3, 5), 5, 6
 """Columns of `Lines.words`: X Y Z, I J, E and F."""
 LETTERS = np.frombuffer(b"XYZIJEF", dtype=np.uint8)
 DECIMALS = np.array([3, 3, 3, 3, 3, 5, 0])
 """How many decimals each word has: X12.345 is 12345 in `Lines.words`."""
-LONGEST = 8 + COLUMNS * 22
+MAX_LINE_BYTES = 8 + COLUMNS * 22
 """No line is longer: a command and seven words of up to 19 digits."""
 
 Text = NDArray[np.uint8]
@@ -31,48 +31,47 @@ Text = NDArray[np.uint8]
 
 @dataclass(slots=True)
 class Lines:
-    """G-code commands and what they say, line by line."""
+    """G-code commands and their words, line by line."""
 
     commands: Ints
     """(n,) the number after G"""
     words: Ints
     """(n, 7) values of X Y Z I J E F as integers with the decimals of `DECIMALS`"""
-    said: NDArray[np.bool_]
-    """(n, 7) which words the line has"""
-    remarks: Ints
-    """(n,) which of the remarks stands before the line; 0 for none"""
+    present: NDArray[np.bool_]
+    """(n, 7) which of the words the line has"""
+    comments: Ints
+    """(n,) number of the comment before the line; 0 for none"""
 
     def part(self, start: int, stop: int) -> Lines:
         """Lines start … stop."""
         here = slice(start, stop)
-        return Lines(self.commands[here], self.words[here], self.said[here], self.remarks[here])
+        return Lines(self.commands[here], self.words[here], self.present[here], self.comments[here])
 
 
-def rendered(lines: Lines, remarks: list[bytes]) -> bytes:
-    """The lines as ASCII, each ended by a newline; `remarks` are whole lines.
+def rendered(lines: Lines, comments: list[bytes]) -> bytes:
+    """The lines as ASCII, each ended by a newline; `comments` are whole lines.
 
     Numbers have no needless zeros; time and memory are linear in the number of lines.
     """
-    table = np.frombuffer(b"".join(remarks), dtype=np.uint8)
-    bounds = np.cumsum([0, *map(len, remarks)])
-    extra = int(np.diff(bounds)[lines.remarks].sum())
-    out = np.empty(len(lines.commands) * LONGEST + extra, dtype=np.uint8)
+    table = np.frombuffer(b"".join(comments), dtype=np.uint8)
+    bounds = np.cumsum([0, *map(len, comments)])
+    extra = int(np.diff(bounds)[lines.comments].sum())
+    out = np.empty(len(lines.commands) * MAX_LINE_BYTES + extra, dtype=np.uint8)
     size = _render(
         np.array(lines.commands),
         np.array(lines.words),
-        np.array(lines.said),
-        np.array(lines.remarks),
+        np.array(lines.present),
+        np.array(lines.comments),
         np.array(table),
         bounds,
-        LETTERS.copy(),
-        DECIMALS,
         out,
     )
     return out[:size].tobytes()
 
 
-@compiled(ENTRY)
+@compiled(INTERNAL)
 def _write_number(out: ByteArray, at: int, value: int, decimals: int) -> int:
+    """Write value · 10^−decimals, without needless zeros, from byte `at` on; returns its end."""
     if value < 0:
         out[at] = 45  # minus
         at += 1
@@ -87,11 +86,11 @@ def _write_number(out: ByteArray, at: int, value: int, decimals: int) -> int:
         rest //= 10
     digits = max(digits, decimals + 1)
     end = at + digits + (1 if decimals > 0 else 0)
-    for place in range(digits):
-        if place == decimals and decimals > 0:
-            out[end - 1 - place] = 46  # point
-        shift = 1 if decimals > 0 and place >= decimals else 0
-        out[end - 1 - place - shift] = 48 + value % 10
+    for digit in range(digits):
+        if digit == decimals and decimals > 0:
+            out[end - 1 - digit] = 46  # point
+        shift = 1 if decimals > 0 and digit >= decimals else 0
+        out[end - 1 - digit - shift] = 48 + value % 10
         value //= 10
     return end
 
@@ -100,26 +99,25 @@ def _write_number(out: ByteArray, at: int, value: int, decimals: int) -> int:
 def _render(
     commands: ConstIntArray,
     words: ConstIntRows,
-    said: ConstBoolRows,
-    remarks: ConstIntArray,
+    present: ConstBoolRows,
+    comments: ConstIntArray,
     table: ConstByteArray,
     bounds: ConstIntArray,
-    letters: ConstByteArray,
-    decimals: ConstIntArray,
     out: ByteArray,
 ) -> int:
+    """Write lines, each after its comment from `table`, as ASCII to `out`; returns their bytes."""
     at = 0
     for line in range(len(commands)):
-        for place in range(bounds[remarks[line]], bounds[remarks[line] + 1]):
-            out[at] = table[place]
+        for byte in range(bounds[comments[line]], bounds[comments[line] + 1]):
+            out[at] = table[byte]
             at += 1
         out[at] = 71  # G
         at = _write_number(out, at + 1, commands[line], 0)
-        for word in range(len(letters)):
-            if said[line, word]:
+        for word in range(COLUMNS):
+            if present[line, word]:
                 out[at] = 32  # space
-                out[at + 1] = letters[word]
-                at = _write_number(out, at + 2, words[line, word], decimals[word])
+                out[at + 1] = LETTERS[word]
+                at = _write_number(out, at + 2, words[line, word], DECIMALS[word])
         out[at] = 10  # newline
         at += 1
     return at

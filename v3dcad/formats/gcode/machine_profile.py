@@ -11,7 +11,7 @@ from typing import Any
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.settings import PrintSettings
 
-MOST_BYTES = 1_000_000
+MAX_FILE_BYTES = 1_000_000
 
 
 def profile_names() -> list[str]:
@@ -24,15 +24,15 @@ def read_profile(name: str) -> dict[str, Any]:
     """The settings of a profile: one that comes with v3dcad, or a path to the user's own file.
 
     Values are checked as a whole; `PrintSettings(**{**read_profile(name), **options})` lets
-    options given by hand win. Raises `FormatError` for a file that cannot be read, is no TOML,
-    or has a key or value that no setting takes.
+    options given on the command line take precedence. Raises `FormatError` for a file that cannot
+    be read, is not TOML, or has a key or value that no setting takes.
     """
     if name in profile_names():
         return _parsed((resources.files("v3dcad") / "profiles" / f"{name}.toml").read_bytes(), name)
     path = Path(name)
     try:
         with path.open("rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
+            data = stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         known = ", ".join(profile_names())
         raise FormatError(
@@ -42,15 +42,15 @@ def read_profile(name: str) -> dict[str, Any]:
 
 
 def _parsed(data: bytes, path: str) -> dict[str, Any]:
-    if len(data) > MOST_BYTES:
+    if len(data) > MAX_FILE_BYTES:
         raise FormatError("larger than 1 MB; name a profile", path=path)
     try:
         values = tomllib.loads(data.decode("utf-8"))
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise FormatError("no UTF-8 text; save it as UTF-8", path=path, line=line) from error
+        raise FormatError("not UTF-8 text; save it as UTF-8", path=path, line=line) from error
     except tomllib.TOMLDecodeError as error:
-        raise FormatError(f"no TOML: {error}", path=path) from error
+        raise FormatError(f"not valid TOML: {error}", path=path) from error
     return {key: _checked(key, value, path) for key, value in values.items()}
 
 
@@ -58,8 +58,8 @@ def _checked(key: str, value: Any, path: str) -> Any:
     known = PrintSettings.__dataclass_fields__
     if key not in known:
         near = difflib.get_close_matches(key, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else "see `v3dcad build --help` for their names"
-        raise FormatError(f"{key} is no setting; {hint}", path=path)
+        hint = f"did you mean {near[0]}?" if near else "see `v3dcad fill --help` for their names"
+        raise FormatError(f"{key} is not a setting; {hint}", path=path)
     wanted = type(known[key].default)
     if wanted is float and type(value) is int:
         value = float(value)

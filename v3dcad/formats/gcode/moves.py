@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode.lines import CENTRE, COLUMNS, PLACE, E, F, Lines
+from v3dcad.formats.gcode.lines import COLUMNS, IJ, XYZ, E, F, Lines
 from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, UNRETRACT, Floats, Ints, Toolpath
 from v3dcad.settings import PrintSettings
 
-MOST_EXTRUSION = 10**5
-"""mm: beyond this a printer's 32-bit E no longer tells 0.01 mm."""
-WIDEST_ARC = 0.9 * math.pi
+MAX_EXTRUSION = 10**5
+"""mm: beyond this a printer's 32-bit E no longer resolves 0.01 mm."""
+MAX_ARC_ANGLE = 0.9 * math.pi
 """Arcs are ended soon after this angle: G2 and G3 are exact and unmistakable up to half a turn."""
 
 Groups = tuple[Ints, Ints]
@@ -28,12 +28,12 @@ def origin(settings: PrintSettings) -> Floats:
 
 
 class MoveWriter:
-    """Turns toolpaths into lines, one layer after the other; knows what the printer was told."""
+    """Turns toolpaths into lines, layer by layer; keeps what the printer already knows."""
 
     def __init__(self, settings: PrintSettings) -> None:
         self.settings = settings
         self._origin = origin(settings)
-        self._place: Ints | None = None
+        self._position: Ints | None = None
         self._feed = -1
         self._laid = 0.0
         self._extruded = 0
@@ -41,41 +41,43 @@ class MoveWriter:
     def lines(self, toolpath: Toolpath) -> tuple[Lines, Ints]:
         """A layer's lines, and for each the step (n,) of the toolpath that it begins with.
 
-        Steps along one arc are one line; steps too short to be told are left out, and their
-        filament goes to the next. In absolute E the caller has E start anew at each layer.
+        Steps along one arc are one line; steps too short for three decimals are left out, and their
+        filament goes to the next. In absolute E the caller resets E at each layer.
         Raises `SettingError` where E would overflow.
         """
         points = toolpath.points + self._origin
         first, last = _arc_groups(toolpath) if self.settings.arcs else _each(len(points))
-        place = np.rint(points[last] * 1000).astype(np.int64)
-        before = np.vstack([place[:1] - 1 if self._place is None else self._place, place[:-1]])
+        position = np.rint(points[last] * 1000).astype(np.int64)
+        before = np.vstack(
+            [position[:1] - 1 if self._position is None else self._position, position[:-1]]
+        )
         kind = toolpath.kind[last]
-        told = (place != before).any(axis=1) | (kind == RETRACT) | (kind == UNRETRACT)
+        written = (position != before).any(axis=1) | (kind == RETRACT) | (kind == UNRETRACT)
         # A step left out ends where the one before does, so `before` stays true.
-        first, last, place, before, kind = (
-            column[told] for column in (first, last, place, before, kind)
+        first, last, position, before, kind = (
+            column[written] for column in (first, last, position, before, kind)
         )
         words = np.zeros((len(last), COLUMNS), dtype=np.int64)
-        said = np.zeros((len(last), COLUMNS), dtype=bool)
+        present = np.zeros((len(last), COLUMNS), dtype=bool)
         commands = np.where(kind == TRAVEL, 0, 1).astype(np.int64)
 
-        words[:, PLACE] = place
-        said[:, PLACE] = place != before
-        self._say_arcs(toolpath, last, before, commands, words, said)
-        self._say_extrusion(toolpath, last, kind, words, said)
-        self._say_feed(toolpath, last, kind, commands, words, said)
+        words[:, XYZ] = position
+        present[:, XYZ] = position != before
+        self._set_arcs(toolpath, last, before, commands, words, present)
+        self._set_extrusion(toolpath, last, kind, words, present)
+        self._set_feed(toolpath, last, kind, commands, words, present)
 
-        self._place = place[-1:] if len(place) else self._place
-        return Lines(commands, words, said, _remarks(toolpath, last, kind)), first
+        self._position = position[-1:] if len(position) else self._position
+        return Lines(commands, words, present, _comments(toolpath, last, kind)), first
 
-    def _say_arcs(
+    def _set_arcs(
         self,
         toolpath: Toolpath,
         last: Ints,
         before: Ints,
         commands: Ints,
         words: Ints,
-        said: Flags,
+        present: Flags,
     ) -> None:
         centre = toolpath.centre[last] + self._origin[:2]
         arc = np.isfinite(centre[:, 0]) & self.settings.arcs
@@ -84,11 +86,11 @@ class MoveWriter:
         # The centre lies on the left of an arc that turns left.
         left = onward[:, 0] * away[:, 1] - onward[:, 1] * away[:, 0] > 0
         commands[arc] = np.where(left, 3, 2)
-        words[arc, CENTRE] = np.rint(away * 1000)
-        said[arc, :2] = said[arc, CENTRE] = True
+        words[arc, IJ] = np.rint(away * 1000)
+        present[arc, :2] = present[arc, IJ] = True
 
-    def _say_extrusion(
-        self, toolpath: Toolpath, last: Ints, kind: Ints, words: Ints, said: Flags
+    def _set_extrusion(
+        self, toolpath: Toolpath, last: Ints, kind: Ints, words: Ints, present: Flags
     ) -> None:
         area = self.settings.filament_area()
         filament = (self._laid + np.cumsum(toolpath.volume))[last] / area
@@ -104,8 +106,8 @@ class MoveWriter:
         words[kind == RETRACT, E] -= pulled
         if self.settings.extrusion == "relative":
             words[kind == UNRETRACT, E] += pulled
-        said[:, E] = kind != TRAVEL
-        if np.abs(words[:, E]).max(initial=0) >= MOST_EXTRUSION * 10**5:
+        present[:, E] = kind != TRAVEL
+        if np.abs(words[:, E]).max(initial=0) >= MAX_EXTRUSION * 10**5:
             raise SettingError(
                 "extrusion",
                 f"layer {toolpath.layer[0]} takes {filament[-1] / 1000:.0f} m of filament, more "
@@ -113,24 +115,24 @@ class MoveWriter:
                 "--flow and --filament-diameter",
             )
 
-    def _say_feed(
+    def _set_feed(
         self,
         toolpath: Toolpath,
         last: Ints,
         kind: Ints,
         commands: Ints,
         words: Ints,
-        said: Flags,
+        present: Flags,
     ) -> None:
         feed = np.maximum(np.rint(toolpath.speed[last] * 60), 1).astype(np.int64)
-        telling = np.ones(len(feed), dtype=bool)
+        moves = np.ones(len(feed), dtype=bool)
         if self.settings.retraction_by == "firmware":
-            telling = (kind == TRAVEL) | (kind == EXTRUDE)
+            moves = (kind == TRAVEL) | (kind == EXTRUDE)
             commands[kind == RETRACT], commands[kind == UNRETRACT] = 10, 11
-            said[~telling] = False
+            present[~moves] = False
         words[:, F] = feed
-        said[telling, F] = np.diff(feed[telling], prepend=self._feed) != 0
-        self._feed = int(feed[telling][-1]) if telling.any() else self._feed
+        present[moves, F] = np.diff(feed[moves], prepend=self._feed) != 0
+        self._feed = int(feed[moves][-1]) if moves.any() else self._feed
 
 
 def _each(count: int) -> Groups:
@@ -138,7 +140,7 @@ def _each(count: int) -> Groups:
 
 
 def _arc_groups(toolpath: Toolpath) -> Groups:
-    """First and last step of each stretch that one line can say: an arc, or a single step."""
+    """First and last step of each stretch that one line can express: an arc, or a single step."""
     points, centre = toolpath.points, toolpath.centre
     start = np.vstack([points[:1], points[:-1]])
     away, onward = start[:, :2] - centre, points[:, :2] - centre
@@ -153,17 +155,17 @@ def _arc_groups(toolpath: Toolpath) -> Groups:
     total = np.cumsum(np.where(np.isnan(turned), 0, np.abs(turned)))
     run = np.nonzero(begins)[0]
     since = total - np.repeat(total[run] - np.abs(turned[run]), np.diff([*run, len(points)]))
-    turn = np.floor(np.where(np.isnan(since), 0, since) / WIDEST_ARC)
+    turn = np.floor(np.where(np.isnan(since), 0, since) / MAX_ARC_ANGLE)
     begins[1:] |= turn[1:] != turn[:-1]
     first = np.nonzero(begins)[0]
     return first, np.concatenate([first[1:], [len(points)]]) - 1
 
 
-def _remarks(toolpath: Toolpath, last: Ints, kind: Ints) -> Ints:
+def _comments(toolpath: Toolpath, last: Ints, kind: Ints) -> Ints:
     """(n,) the feature where a line extrudes another than the one before; else 0."""
     extruding = np.nonzero(kind == EXTRUDE)[0]
     feature = toolpath.feature[last][extruding].astype(np.int64)
     changed = np.diff(feature, prepend=0) != 0
-    remarks = np.zeros(len(last), dtype=np.int64)
-    remarks[extruding[changed]] = feature[changed]
-    return remarks
+    comments = np.zeros(len(last), dtype=np.int64)
+    comments[extruding[changed]] = feature[changed]
+    return comments

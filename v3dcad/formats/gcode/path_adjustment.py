@@ -3,9 +3,9 @@
 The thesis's path generator lifts the nozzle, travels and comes down wherever it meets a line
 already printed, and the NC file it gets extrudes on the way. The algorithm takes the lift and
 its two next lines out, and sets E of the line before. In the thesis's figures that line is
-`G92 E0`, which becomes `G92 E-1`: this names the filament's place anew and moves nothing, so
-no filament is pulled back. v3dcad's own G-code retracts by real moves; this is here to do to
-a file what the thesis did.
+`G92 E0`, which becomes `G92 E-1`: this changes the filament's coordinate and moves nothing, so
+no filament is pulled back. v3dcad's own G-code retracts by real moves; this module only repeats
+what the thesis did.
 """
 
 from __future__ import annotations
@@ -41,9 +41,8 @@ def adjust(
 ) -> Iterator[str]:
     """Lines of an NC file, without their ends, as Algorithm 13 leaves them.
 
-    `retraction` is in mm of filament. Comments are not looked into. A line without
-    X or Y, such as `G92 E0`, makes the last place unknown. One line is held back; memory does
-    not grow. Raises
+    `retraction` is in mm of filament. Comments are ignored. After a line without X or Y, such as
+    `G92 E0`, the position is unknown. One line is held back; memory does not grow. Raises
     `SettingError` for a retraction that is not a number from 0 to 50.
     """
     Declared("", unit="mm", least=0, most=50).check("retraction", retraction)

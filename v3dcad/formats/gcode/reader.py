@@ -1,4 +1,4 @@
-"""What a G-code file does: bounds, lengths, time, filament, layers. Any slicer's file will do."""
+"""What a G-code file of any slicer does: bounds, lengths, time, filament, layers."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from v3dcad.geometry.print_time import move_seconds
 from v3dcad.settings import PrintSettings
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*")
-REMARK = re.compile(r"\([^()]*\)|;.*|\*\d+\s*$")
+COMMENT = re.compile(r"\([^()]*\)|;.*|\*\d+\s*$")
 LIMIT = re.compile(r"\b(ACCEL|SQUARE_CORNER_VELOCITY)\s*=\s*([\d.]+)", re.I)
-LONGEST_LINE = 4096
+MAX_LINE_CHARACTERS = 4096
 ARC_STEP = 1.0
 """mm of the straight steps that an arc's motion is planned in."""
 INCH = 25.4
-CHUNK = 50_000
+MOVES_PER_PLAN = 50_000
 """Moves planned at a time."""
 
 
@@ -33,11 +33,11 @@ class Summary:
 
     time_s: float
     filament_mm: float
-    """the most that is ever out of the spool, so that retractions do not count"""
+    """the greatest length ever taken from the spool, so that retractions do not count"""
     extruded_mm: float
     travelled_mm: float
     layers: int
-    """how often extrusion goes on at another height, the first included"""
+    """how often extrusion begins at another height, the first included"""
     moves: int
     least: tuple[float, float, float] | None
     """least coordinates of all extrusion; None where there is none"""
@@ -49,7 +49,7 @@ def read_gcode(path: Path, settings: PrintSettings | None = None) -> Summary:
 
     Time follows from the file's feeds and accelerations (M204, SET_VELOCITY_LIMIT), and from
     `settings` where it says none; heating and homing do not count. Raises `FormatError` for
-    binary content, a line that is no G-code, or a file without moves.
+    binary content, a line that is not G-code, or a file without moves.
     """
     reader = _Reader(settings or PrintSettings(), str(path))
     with path.open(encoding="latin-1") as stream:
@@ -60,21 +60,21 @@ def read_gcode(path: Path, settings: PrintSettings | None = None) -> Summary:
 
 def _lines(stream: TextIO, path: str) -> Iterator[str]:
     number = 0
-    while line := stream.readline(LONGEST_LINE):
+    while line := stream.readline(MAX_LINE_CHARACTERS):
         number += 1
-        if "\0" in line or (len(line) == LONGEST_LINE and not line.endswith("\n")):
-            raise FormatError("this is no G-code; name a text file", path=path, line=number)
+        if "\0" in line or (len(line) == MAX_LINE_CHARACTERS and not line.endswith("\n")):
+            raise FormatError("this is not G-code; name a text file", path=path, line=number)
         yield line
 
 
 class _Reader:
-    """A printer that takes lines and remembers where it has been."""
+    """A simulated printer: takes lines, and keeps its state and what they add up to."""
 
     def __init__(self, settings: PrintSettings, path: str) -> None:
         self.settings = settings
         self.path = path
         # NaN is a coordinate not yet known: what it takes to get there does not count.
-        self.place = [math.nan, math.nan, math.nan]
+        self.position = [math.nan, math.nan, math.nan]
         self.feed = settings.travel_speed
         self.unit = 1.0
         self.absolute = self.absolute_e = True
@@ -92,8 +92,8 @@ class _Reader:
         self.pending: list[tuple[float, float, float, float, float, float]] = []
 
     def take(self, line: str, number: int) -> None:
-        """Do what one line says."""
-        code = REMARK.sub("", line).strip()
+        """Execute one line."""
+        code = COMMENT.sub("", line).strip()
         if code[:1].upper() == "N":
             code = re.sub(r"^[Nn]\d+\s*", "", code)
         if not code:
@@ -108,7 +108,7 @@ class _Reader:
         if name in ("G0", "G1", "G2", "G3", "G92", "G4", "M204"):
             words = self._words(code.upper()[command.end() :], number)
             if name == "G92":
-                self._rename(words)
+                self._set_position(words)
             elif name == "G4":
                 self._flush()
                 self.seconds += words.get("S", 0.0) + words.get("P", 0.0) / 1000
@@ -125,10 +125,10 @@ class _Reader:
         elif name == "G28":
             homed = [a for a in "XYZ" if a in code.upper()[3:]] or list("XYZ")
             for axis in homed:
-                self.place["XYZ".index(axis)] = math.nan
+                self.position["XYZ".index(axis)] = math.nan
 
     def summary(self) -> Summary:
-        """All that was seen; `FormatError` if nothing moved."""
+        """The summary of all lines; `FormatError` if nothing moved."""
         self._flush()
         if not self.moves:
             raise FormatError("no moves (G0 to G3) in it; name a G-code file", path=self.path)
@@ -154,7 +154,7 @@ class _Reader:
             match = WORD.match(text, at)
             if match is None:
                 raise FormatError(
-                    f"{text[at : at + 20]!r} is no word of G-code, such as X12.5",
+                    f"{text[at : at + 20]!r} is not a word of G-code, such as X12.5",
                     path=self.path,
                     line=number,
                 )
@@ -164,11 +164,11 @@ class _Reader:
             raise FormatError("a number is too large", path=self.path, line=number)
         return words
 
-    def _rename(self, words: dict[str, float]) -> None:
+    def _set_position(self, words: dict[str, float]) -> None:
         self.e = words.get("E", 0.0 if not words else self.e / self.unit) * self.unit
-        for place, axis in enumerate("XYZ"):
+        for k, axis in enumerate("XYZ"):
             if axis in words:
-                self.place[place] = words[axis] * self.unit
+                self.position[k] = words[axis] * self.unit
 
     def _limit(self, limits: dict[str, float]) -> None:
         self._flush()
@@ -180,11 +180,11 @@ class _Reader:
     def _move(self, name: str, words: dict[str, float]) -> None:
         self.moves += 1
         self.feed = words["F"] * self.unit / 60 if words.get("F", 0.0) > 0 else self.feed
-        start = list(self.place)
-        for place, axis in enumerate("XYZ"):
+        start = list(self.position)
+        for k, axis in enumerate("XYZ"):
             if axis in words:
                 asked = words[axis] * self.unit
-                self.place[place] = asked if self.absolute else self.place[place] + asked
+                self.position[k] = asked if self.absolute else self.position[k] + asked
         fed = 0.0
         if "E" in words:
             asked = words["E"] * self.unit
@@ -192,9 +192,9 @@ class _Reader:
             self.e += fed
             self.spooled += fed
             self.filament = max(self.filament, self.spooled)
-        points = [start, self.place]
+        points = [start, self.position]
         if name in ("G2", "G3") and not any(map(math.isnan, start)):
-            points = _arc(start, self.place, words, self.unit, clockwise=name == "G2")
+            points = _arc(start, self.position, words, self.unit, clockwise=name == "G2")
         for here, there in pairwise(points):
             self._step(here, there, fed)
 
@@ -202,7 +202,7 @@ class _Reader:
         x, y, z = (0.0 if math.isnan(b - a) else b - a for a, b in zip(here, there, strict=True))
         length = math.sqrt(x * x + y * y + z * z)
         self.pending.append((x, y, z, length, 0.0 if length else abs(fed), self.feed))
-        if len(self.pending) >= CHUNK:
+        if len(self.pending) >= MOVES_PER_PLAN:
             self._flush()
         if fed > 0 and length > 0:
             self.extruded += length

@@ -1,7 +1,7 @@
 """Header and footer of an example G-code file (Algorithm 12 of the thesis).
 
-A slicer that knows the printer writes an example; what stands before and after its print goes
-before and after ours.
+A slicer that knows the printer writes an example file. What comes before and after its print is
+put before and after ours.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from v3dcad.errors import FormatError
 from v3dcad.formats.gcode.machine_profile import profile_text
 
-MOST_BYTES = 500_000_000
+MAX_FILE_BYTES = 500_000_000
 MOVE = re.compile(r"G0*[123](?!\d)(?=.*[XY])", re.I)
 FED = re.compile(r"E\s*([-+]?[\d.]+)", re.I)
 CODE = re.compile(r"[^;(]*")
@@ -61,7 +61,7 @@ def read_template(path: Path) -> Template:
     if marked and not (starts and ends):
         missing = "START" if ends else "END"
         raise FormatError(
-            f"there is no line {missing}; set both markers or none",
+            f"a line {missing} is missing; set both markers or none",
             path=str(path),
             line=(starts or ends)[0] + 1,
         )
@@ -76,7 +76,7 @@ def read_template(path: Path) -> Template:
     first, last = starts[0], ends[-1]
     if last < first:
         raise FormatError(
-            f"END stands before START (line {first + 1}); exchange them",
+            f"END comes before START (line {first + 1}); exchange them",
             path=str(path),
             line=last + 1,
         )
@@ -98,8 +98,8 @@ def template_profile(template: Template, example: str) -> str:
 
 def _ascii_lines(path: Path) -> list[str]:
     with path.open("rb") as stream:
-        data = stream.read(MOST_BYTES + 1)
-    if len(data) > MOST_BYTES:
+        data = stream.read(MAX_FILE_BYTES + 1)
+    if len(data) > MAX_FILE_BYTES:
         raise FormatError("larger than 500 MB; give a shorter example", path=str(path))
     try:
         text = data.decode("ascii")
@@ -108,7 +108,7 @@ def _ascii_lines(path: Path) -> list[str]:
         wrong = error.start
     if wrong >= 0:
         raise FormatError(
-            "this is not plain ASCII text; remove what is not, or name another file",
+            "this is not plain ASCII text; remove other characters, or name another file",
             path=str(path),
             line=data.count(b"\n", 0, wrong) + 1,
         )

@@ -1,8 +1,8 @@
 """G-code for FFF printers: Marlin, RepRapFirmware and Klipper.
 
-The moves are written to a temporary file first, since header and progress need the whole
-print's time, and since an error may come up at the last layer: the caller's stream gets its
-first byte when all is known to be well.
+The moves are written to a temporary file first. Header and progress need the time of the whole
+print, and the last layer may still raise an error: the caller's stream gets its first byte when
+no error can come any more.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 
-REMARKS = {
+COMMENTS = {
     PERIMETER: b";TYPE:WALL-OUTER\n",
     CELLS: b";TYPE:FILL\n",
     SOLID: b";TYPE:SKIN\n",
     BRIM: b";TYPE:SKIRT\n",
     SKIRT: b";TYPE:SKIRT\n",
 }
-"""What is printed, in the words that viewers know from Cura."""
-BLOCK = 1024
+"""What is printed, in the words of Cura, which viewers know."""
+LINES_PER_BLOCK = 1024
 """Lines between two reports of progress."""
 
 
@@ -70,11 +70,11 @@ def write_gcode(
     settings: PrintSettings,
     thumbnail: bytes | None = None,
 ) -> Totals:
-    """Write toolpaths, whose origin is the bed's centre, as G-code; say what the print takes.
+    """Write toolpaths, whose origin is the bed's centre, as G-code; returns the totals.
 
-    `toolpaths` are gone through once, one in memory at a time; `thumbnail` is a PNG. E is the
-    rounded sum of all filament so far less the rounded sum at the layer's start, so rounding
-    (1e-5 mm of filament, 1e-3 mm of way) never adds up. The same input gives the same bytes.
+    `toolpaths` are read once, one in memory at a time; `thumbnail` is a PNG. E is the rounded sum
+    of all filament so far less the rounded sum at the layer's start, so that rounding (1e-5 mm of
+    filament, 1e-3 mm of position) never adds up. The same input gives the same bytes.
     Raises `SettingError`, before a byte is written, where a move leaves the bed, a placeholder
     is unknown or E would overflow.
     """
@@ -102,7 +102,7 @@ def _write_body(
 ) -> list[tuple[int, float]]:
     """The layers' lines; for each block its size in bytes and when it begins, in seconds."""
     progress: list[tuple[int, float]] = []
-    remarks = [REMARKS.get(feature, b"") for feature in range(max(REMARKS) + 1)]
+    comments = [COMMENTS.get(feature, b"") for feature in range(max(COMMENTS) + 1)]
     writer = MoveWriter(settings)
     before: Floats | None = None
     for toolpath in toolpaths:
@@ -116,8 +116,8 @@ def _write_body(
         opening = _opening(toolpath, settings, totals.layers)
         body.write(opening)
         progress.append((len(opening), totals.time_s))
-        for start in range(0, len(step), BLOCK):
-            block = rendered(lines.part(start, start + BLOCK), remarks)
+        for start in range(0, len(step), LINES_PER_BLOCK):
+            block = rendered(lines.part(start, start + LINES_PER_BLOCK), comments)
             body.write(block)
             begins = at[step[start] - 1] if step[start] else totals.time_s
             progress.append((len(block), float(begins)))

@@ -12,18 +12,18 @@ from v3dcad.geometry.mesh.holes import patch
 from v3dcad.model import Floats, Mesh
 
 FREE_FORM = {b"curv", b"curv2", b"surf"}
-"""What draws curved surfaces; they are not read."""
+"""Keywords of curved surfaces, which are not read."""
 
-MOST_CORNERS = 500
-"""Of a face: cutting one up takes time with their cube, here a tenth of a second."""
+MAX_CORNERS = 500
+"""Corners of a face: triangulating takes time with their cube, here a tenth of a second."""
 
 
 def read_obj(path: Path) -> tuple[Mesh, list[str]]:
     """The faces of an OBJ file as triangles, mm, and what was left out.
 
     Polygons are cut into triangles of least area, so that they need not be convex. Raises
-    `FormatError` with the line of what is no number, not finite, or names a vertex that is not
-    there, and where there are no faces.
+    `FormatError` with the line of a word that is not a finite number or of a reference to a vertex
+    that does not exist, and where there are no faces.
     """
     vertices: list[tuple[float, ...]] = []
     polygons: list[tuple[int, list[int]]] = []
@@ -41,10 +41,10 @@ def read_obj(path: Path) -> tuple[Mesh, list[str]]:
             elif words[0] in FREE_FORM:
                 free_form += 1
     if not polygons:
-        raise FormatError("it holds no faces; export it again as polygons", path=str(path))
+        raise FormatError("it contains no faces; export it again as polygons", path=str(path))
     for number, corners in polygons:
         if max(corners) >= len(vertices):
-            message = f"a face names vertex {max(corners) + 1}, there are {len(vertices)}"
+            message = f"a face refers to vertex {max(corners) + 1} of {len(vertices)}"
             raise FormatError(message, path=str(path), line=number)
     points = np.array(vertices)
     triangles = [row for _, corners in polygons for row in _cut(points, corners)]
@@ -53,7 +53,7 @@ def read_obj(path: Path) -> tuple[Mesh, list[str]]:
 
 
 def _joined(lines: Iterable[bytes]) -> Iterator[bytes]:
-    """Lines, those that end in a backslash with the next, as one (and an empty one instead)."""
+    """Lines; one that ends in a backslash is joined to the next, and empty in its own place."""
     held = b""
     for line in lines:
         text = held + line.rstrip(b"\r\n")
@@ -69,7 +69,7 @@ def _vertex(words: list[bytes], number: int, path: str) -> tuple[float, ...]:
     if len(point) < 3:
         raise FormatError("a vertex needs three numbers", path=path, line=number)
     if not np.isfinite(point).all():
-        raise FormatError("a coordinate that is not a finite number", path=path, line=number)
+        raise FormatError("a coordinate is not a finite number", path=path, line=number)
     return point
 
 
@@ -82,11 +82,11 @@ def _corners(words: list[bytes], known: int, number: int, path: str) -> list[int
             "a face is written as v, v/vt, v//vn or v/vt/vn", path=path, line=number
         ) from None
     corners = [place - 1 if place > 0 else known + place for place in given]
-    if not 3 <= len(corners) <= MOST_CORNERS:
-        message = f"a face of {len(corners)} corners; 3 to {MOST_CORNERS} are read"
+    if not 3 <= len(corners) <= MAX_CORNERS:
+        message = f"a face of {len(corners)} corners; 3 to {MAX_CORNERS} are read"
         raise FormatError(message, path=path, line=number)
     if 0 in given or min(corners) < 0:
-        message = f"a face names vertex {min(given)}, there are {known} so far"
+        message = f"a face refers to vertex {min(given)}, with {known} vertices before it"
         raise FormatError(message, path=path, line=number)
     return corners
 

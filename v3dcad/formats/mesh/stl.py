@@ -11,26 +11,26 @@ from v3dcad.formats.mesh.stl_ascii import ascii_corners
 from v3dcad.model import Floats, Mesh
 
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-HEADER = 84
+HEADER_BYTES = 84
 
 
 def read_stl(path: Path) -> Mesh:
     """The triangles of a binary or ASCII STL, in mm, exactly equal corners made one vertex.
 
-    Raises `FormatError` for a file that is empty, cut off, not STL, or holds a coordinate
-    that is not a finite number.
+    Raises `FormatError` for a file that is empty, cut off, not STL, or has a coordinate that is
+    not a finite number.
     """
     data = path.read_bytes()
     if not data:
         raise FormatError("the file is empty; export it again", path=str(path))
-    if len(data) >= HEADER:
+    if len(data) >= HEADER_BYTES:
         announced = int.from_bytes(data[80:84], "little")
-        expected = HEADER + announced * RECORD.itemsize
+        expected = HEADER_BYTES + announced * RECORD.itemsize
         if len(data) == expected:
             return welded(_binary_corners(data), str(path))
         if not data.lstrip()[:5].lower() == b"solid":
             raise FormatError(
-                f"neither ASCII STL nor a whole binary one: its header announces {announced} "
+                f"neither ASCII STL nor a whole binary one: its header states {announced} "
                 f"triangles ({expected} bytes), the file has {len(data)} bytes; export it again",
                 path=str(path),
             )
@@ -38,7 +38,7 @@ def read_stl(path: Path) -> Mesh:
 
 
 def _binary_corners(data: bytes) -> Floats:
-    return np.frombuffer(data, RECORD, offset=HEADER)["corners"].astype(np.float64)
+    return np.frombuffer(data, RECORD, offset=HEADER_BYTES)["corners"].astype(np.float64)
 
 
 def _ascii_corners(data: bytes, path: str) -> Floats:
@@ -57,7 +57,7 @@ def welded(corners: Floats, path: str, section: str | None = None) -> Mesh:
     `FormatError` where there are no triangles or a coordinate is not finite.
     """
     if not len(corners):
-        raise FormatError("it holds no triangles; export it again", path=path, section=section)
+        raise FormatError("it contains no triangles; export it again", path=path, section=section)
     bad = np.nonzero(~np.isfinite(corners).all(axis=(1, 2)))[0]
     if len(bad):
         raise FormatError(

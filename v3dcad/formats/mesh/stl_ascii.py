@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.numbers import LONGEST, NUMBER, matched_number
+from v3dcad.formats.numbers import MAX_CHARACTERS, NUMBER, matched_number
 from v3dcad.model import Floats
 
 Refusal = Callable[[str, int], FormatError]
@@ -45,9 +45,9 @@ _SPACE = re.compile(_REST)
 def ascii_corners(text: str, start: int, stop: int, refuse: Refusal) -> Floats:
     """Corners (t, 3, 3), mm, of the solids in `text[start:stop]`, lines ended by line feeds.
 
-    Normals are not looked at: corners say it all. Any case, any indent, `//` comments at the end
-    of lines. Raises what `refuse` makes of a mistake: a facet that is not whole, a number that
-    is none or not finite, a solid that does not end, text that is not STL.
+    Normals are ignored. Any case, any indent, `//` comments at the end of lines. Raises the error
+    that `refuse` makes for a mistake: an incomplete facet, a word that is not a finite number, a
+    solid without end, text that is not STL.
     """
     corners = array("d")
     at = _skip(text, start, stop)
@@ -56,7 +56,7 @@ def ascii_corners(text: str, start: int, stop: int, refuse: Refusal) -> Floats:
     while at < stop:
         solid = _SOLID.match(text, at, stop)
         if not solid:
-            raise refuse(f"{_line(text, at, stop)!r} stands after the solid's end", at)
+            raise refuse(f"{_line(text, at, stop)!r} comes after the end of the solid", at)
         at = _read_facets(text, solid.end(), stop, corners, refuse)
         ending = _ENDSOLID.match(text, at, stop)
         if not ending:
@@ -66,7 +66,7 @@ def ascii_corners(text: str, start: int, stop: int, refuse: Refusal) -> Floats:
 
 
 def _read_facets(text: str, at: int, stop: int, corners: array[float], refuse: Refusal) -> int:
-    """Append the corners of facets from `at` on; returns where something else stands."""
+    """Append the corners of facets from `at` on; returns the offset after the last."""
     facet = _FACET.match(text, at, stop)
     while facet:
         numbers = [matched_number(word) for word in facet.groups()]
@@ -88,7 +88,7 @@ def _mistake(text: str, at: int, stop: int, refuse: Refusal) -> FormatError:
                 return refuse(
                     f"cut off: `{expected}` or `endsolid` is missing; export it again", at
                 )
-            return refuse(f"{shown!r} stands where `{expected}` belongs", at)
+            return refuse(f"{shown!r} is not `{expected}`, which belongs here", at)
         at = found.end()
     raise AssertionError("a facet whose every line is right is a facet")
 
@@ -100,4 +100,4 @@ def _skip(text: str, at: int, stop: int) -> int:
 
 
 def _line(text: str, at: int, stop: int) -> str:
-    return text[at : min(stop, at + LONGEST)].split("\n", 1)[0].strip()[:60]
+    return text[at : min(stop, at + MAX_CHARACTERS)].split("\n", 1)[0].strip()[:60]

@@ -1,8 +1,8 @@
 """Reading 3MF: all that its build holds, placed, in mm, in one mesh.
 
 By the core specification (3MF consortium, 1.3) and `path` of its production extension. lib3mf,
-which writes our files, is not asked to read strangers': a file of 3 kB whose components repeat
-each other keeps it busy for minutes, and it rounds coordinates to single precision.
+which writes our files, does not read them: a file of 3 kB whose components repeat each other takes
+it minutes, and it rounds coordinates to single precision.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ import numpy as np
 from v3dcad.errors import FormatError
 from v3dcad.model import Floats, Ints, Mesh
 
-MOST_BYTES = 2**30
-"""What a file may unpack to."""
+MAX_UNPACKED_BYTES = 2**30
+"""Largest size that a file may unpack to."""
 
-MOST_TRIANGLES = 20_000_000
-MOST_COMPONENTS = 100_000
-DEEPEST = 32
-"""Components that repeat each other could make any number of a small file."""
+MAX_TRIANGLES = 20_000_000
+MAX_COMPONENTS = 100_000
+MAX_DEPTH = 32
+"""Limits, since in a small file components that repeat each other could fill the memory."""
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
@@ -70,8 +70,10 @@ def read_threemf(path: Path) -> tuple[Mesh, list[str]]:
     try:
         with zipfile.ZipFile(path) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
-            if size > MOST_BYTES:
-                message = f"it claims to unpack to {size:,} bytes, at most {MOST_BYTES:,} are read"
+            if size > MAX_UNPACKED_BYTES:
+                message = (
+                    f"it unpacks to {size:,} bytes, more than the {MAX_UNPACKED_BYTES:,} allowed"
+                )
                 raise FormatError(message, path=str(path))
             build = _Build(archive, str(path))
             root = _root(archive)
@@ -85,7 +87,7 @@ def read_threemf(path: Path) -> tuple[Mesh, list[str]]:
         message = f"damaged ({type(error).__name__}: {error}); export it again"
         raise FormatError(message, path=str(path)) from error
     if not build.triangles:
-        raise FormatError("its build holds no triangles; export it again", path=str(path))
+        raise FormatError("its build contains no triangles; export it again", path=str(path))
     left_out = [f"{build.support} support objects were left out"] if build.support else []
     return Mesh(np.concatenate(build.vertices) * scale, np.concatenate(build.triangles)), left_out
 
@@ -95,7 +97,7 @@ def _root(archive: zipfile.ZipFile) -> str:
     for relation in ElementTree.fromstring(archive.read("_rels/.rels")):
         if relation.get("Type") == MODEL:
             return relation.attrib["Target"].lstrip("/")
-    raise KeyError("no 3D model is named in _rels/.rels")
+    raise KeyError("_rels/.rels names no 3D model")
 
 
 class _Build:
@@ -123,10 +125,10 @@ class _Build:
             return
         self.components += 1
         self.count += len(found.triangles)
-        if max(self.components / MOST_COMPONENTS, self.count / MOST_TRIANGLES, depth / DEEPEST) > 1:
+        if max(self.components / MAX_COMPONENTS, self.count / MAX_TRIANGLES, depth / MAX_DEPTH) > 1:
             message = (
-                f"more than {MOST_TRIANGLES:,} triangles, {MOST_COMPONENTS:,} components, or "
-                f"{DEEPEST} of them within each other; simplify it"
+                f"more than {MAX_TRIANGLES:,} triangles, {MAX_COMPONENTS:,} components, or "
+                f"{MAX_DEPTH} of them within each other; simplify it"
             )
             raise FormatError(message, path=self.path)
         if len(found.triangles):
@@ -169,7 +171,7 @@ def _read_model(stream: IO[bytes], part: str) -> _Model:
             corners = np.array(triangles, np.int64).reshape(-1, 3)
             points = np.array(vertices).reshape(-1, 3)
             if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):
-                raise ValueError(f"object {get['id']} names a vertex that it has not")
+                raise ValueError(f"object {get['id']} refers to a vertex that does not exist")
             objects[get["id"]] = _Object(get.get("type", "model"), points, corners, components)
             vertices, triangles, components = [], [], []
         element.clear()

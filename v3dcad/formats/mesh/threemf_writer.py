@@ -34,7 +34,7 @@ def write_beams(
     where the file cannot be written.
     """
     model = _model()
-    # What stands for an object has to come before it in the file.
+    # The fallback of an object has to come before it in the file.
     shown = _object(model, fallback, f"{name} as a mesh", "fallback") if fallback else None
     item = _object(model, Mesh(points, np.empty((0, 3), np.int64)), name, "beams")
     lattice = item.BeamLattice()

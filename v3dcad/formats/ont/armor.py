@@ -1,4 +1,4 @@
-"""Bytes as lines of text and back: LZMA, then base 85, with length and check sum announced."""
+"""Bytes as lines of text and back: LZMA, then base 85; length and check sum are stated beside."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import lzma
 import zlib
 from typing import Any
 
-MOST_BYTES = 1 << 27
-"""128 MiB: what packed lines may expand to, and so the memory that they take."""
+MAX_UNPACKED_BYTES = 1 << 27
+"""128 MiB: largest size that packed lines may unpack to, and so the memory that they take."""
 
 WIDTH = 100
 """Characters of one line."""
@@ -19,7 +19,7 @@ comment or the word `solid`, whatever the bytes are."""
 
 
 def _filters(size: int) -> list[dict[str, Any]]:
-    """How LZMA is set for so many bytes; not stored, so that no file can ask for more memory."""
+    """LZMA's settings for a number of bytes; not stored, so that no file can claim more memory."""
     dictionary = max(1 << 12, min(size, 1 << 24))
     return [
         {"id": lzma.FILTER_LZMA1, "dict_size": dictionary, "lc": 3, "lp": 0, "pb": 0}
@@ -42,11 +42,11 @@ def checked(data: bytes) -> str:
 def unpacked(digits: str, size: int, check: str) -> bytes:
     """The `size` bytes in what `packed` made, joined without marks; takes no more memory than that.
 
-    `ValueError` says what is wrong where they are damaged, longer or shorter than announced, or
-    announced longer than `MOST_BYTES`.
+    `ValueError` says what is wrong where they are damaged, longer or shorter than stated, or
+    stated to be longer than `MAX_UNPACKED_BYTES`.
     """
-    if size > MOST_BYTES:
-        raise ValueError(f"announces {size} bytes, more than the {MOST_BYTES} allowed")
+    if size > MAX_UNPACKED_BYTES:
+        raise ValueError(f"states {size} bytes, more than the {MAX_UNPACKED_BYTES} allowed")
     expander = lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=_filters(size))
     try:
         data = expander.decompress(base64.b85decode(digits), max_length=size + 1)
@@ -54,7 +54,7 @@ def unpacked(digits: str, size: int, check: str) -> bytes:
         raise ValueError("its packed lines are damaged") from error
     if len(data) != size:
         more = "more" if len(data) > size else f"{len(data)}"
-        raise ValueError(f"announces {size} bytes and holds {more}")
+        raise ValueError(f"states {size} bytes and contains {more}")
     if checked(data) != check:
-        raise ValueError("its packed lines are damaged: their CRC-32 is another")
+        raise ValueError("its packed lines are damaged: their CRC-32 does not match")
     return data

@@ -32,9 +32,9 @@ FORMAT = 2
 OFFSET, HEIGHT = "OFFSET_VALUE", "LAYER_HEIGHT"
 OURS, SETTINGS, BOUNDARY, CHECKSUM = "V3DCAD", "SETTINGS", "BOUNDARY", "CHECKSUM"
 
-MOST_BYTES = 1 << 28
+MAX_FILE_BYTES = 1 << 28
 """256 MiB: the largest file that is read; some ten times as much memory is the most it can take."""
-MOST_SITES = 10_000_000
+MAX_SITES = 10_000_000
 
 PACKING = "lzma-base85"
 BREP_BEGINS = b"\nOpen CASCADE Topology V"
@@ -59,7 +59,7 @@ def ont_text(recipe: Recipe, boundary: str) -> str:
         lines += [",".join(map(number_text, site)) for site in recipe.sites.tolist()]
     if boundary == "stl":
         if not isinstance(recipe.boundary, Mesh) or (thesis and recipe.sites is None):
-            raise ValueError("this form holds triangles, and the thesis's lists the sites")
+            raise ValueError("this form needs triangles, and the thesis's method a list of sites")
         lines += [f"[{PART}]", ascii_stl(recipe.boundary, "mesh").removesuffix("\n")]
     ours = {"format": str(FORMAT), "software": recipe.software or "unknown", "units": "mm"}
     if recipe.placement.translation.any():
@@ -76,7 +76,7 @@ def ont_text(recipe: Recipe, boundary: str) -> str:
 def read_ont(path: Path) -> Recipe:
     """The recipe in an `.ont` file; `FormatError` with line and section where it is damaged."""
     with path.open("rb") as file:
-        data = file.read(MOST_BYTES + 1)
+        data = file.read(MAX_FILE_BYTES + 1)
     return recipe_in(data, str(path))
 
 
@@ -88,7 +88,7 @@ def recipe_in(data: bytes, path: str) -> Recipe:
     sites = _sites(sections[SITES]) if SITES in sections else None
     exact = BOUNDARY in sections
     if exact and PART in sections:
-        raise sections[BOUNDARY].error(f"stands here beside [{PART}]; one boundary is needed")
+        raise sections[BOUNDARY].error(f"comes in addition to [{PART}]; keep only one boundary")
     ours = exact or any(name in sections for name in (OURS, SETTINGS, CHECKSUM))
     if sites is None and not ours:
         raise FormatError("is missing; the file is not whole", path=path, section=SITES)
@@ -133,8 +133,8 @@ def _exact_boundary(recipe: Recipe) -> list[str]:
 
 
 def _text(data: bytes, path: str) -> str:
-    if len(data) > MOST_BYTES:
-        raise FormatError(f"larger than the {MOST_BYTES} bytes that are read", path=path)
+    if len(data) > MAX_FILE_BYTES:
+        raise FormatError(f"larger than {MAX_FILE_BYTES} bytes, the most that is read", path=path)
     for begins, name in PACKED_FILES.items():
         if data.startswith(begins):
             raise FormatError(f"this is compressed ({name}); unpack it first", path=path)
@@ -169,11 +169,11 @@ def _sites(body: Body) -> Floats:
             continue
         if len(words) != 3:
             raise body.error(f"{row[:40]!r} is not three numbers X,Y,Z", at)
-        if len(numbers) >= 3 * MOST_SITES:
-            raise body.error(f"more than {MOST_SITES} sites", at)
+        if len(numbers) >= 3 * MAX_SITES:
+            raise body.error(f"more than {MAX_SITES} sites", at)
         numbers.extend(body.number_from(word, at) for word in words)
     if not numbers:
-        raise body.error("holds no sites")
+        raise body.error("contains no sites")
     return np.frombuffer(numbers, np.float64).reshape(-1, 3)
 
 
@@ -191,12 +191,12 @@ def _ours(body: Body) -> tuple[str, Placement]:
     version = fields.take("format")
     if version.count() < FORMAT:
         raise version.error(
-            f"format {version.value} holds columns that grow, which no v3dcad makes any more; fill "
-            "the part again"
+            f"the file has format {version.value}, of columns that grew, which v3dcad no longer "
+            "makes; fill the part again"
         )
     if version.count() > FORMAT:
         raise version.error(
-            f"format {version.value}, this v3dcad reads format {FORMAT}; update v3dcad"
+            f"the file has format {version.value}, this v3dcad reads format {FORMAT}; update v3dcad"
         )
     software = fields.take("software").matching(r"[\w.+ -]{1,64}", "a program's name and version")
     fields.take("units").one_of("mm")
@@ -224,7 +224,7 @@ def _exact(body: Body) -> Brep | Mesh:
     except ValueError as error:
         raise body.error(str(error)) from error
     if not data.startswith(BREP_BEGINS):
-        raise body.error("does not hold a B-rep")
+        raise body.error("does not contain a B-rep")
     if not (np.array(bounds[0]) < np.array(bounds[1])).all():
         raise body.error("its `low` does not lie below its `high`")
     return Brep(data, np.array(bounds))

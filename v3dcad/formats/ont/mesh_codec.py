@@ -1,9 +1,9 @@
-"""Triangles as few bytes, to the last bit: a walk over the mesh, and what the walk cannot guess.
+"""Triangles as few bytes, to the last bit: a walk over the mesh, and what it does not predict.
 
-The walk grows one patch at a time. Each side of the patch that has no neighbour yet is a gate;
-the gates are passed in the order in which they opened, and for each one symbol says which third
-corner the triangle behind it has: a new vertex, the next or the last one along the patch's rim,
-or another old one. (Gumhold & Straßer, "Real time compression of triangle mesh connectivity",
+The walk grows one patch at a time. Each side of the patch that has no neighbour yet is a gate.
+Gates are passed in the order in which they opened. One symbol for each says which third corner the
+triangle behind it has: a new vertex, the next or the last one along the patch's rim, or another
+old one. (Gumhold & Straßer, "Real time compression of triangle mesh connectivity",
 SIGGRAPH 1998; here without its need for a manifold, since anything else begins a new patch.) A
 new vertex is guessed by completing the parallelogram before its gate (Touma & Gotsman, "Triangle
 mesh compression", GI 1998), and only the difference is kept.
@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from v3dcad.model import Floats, Ints, Mesh
 
-NOTHING, NEW, NEXT, LAST, OLD = range(5)
-"""What is behind a gate."""
+NO_TRIANGLE, NEW, NEXT, LAST, OLD = range(5)
+"""Symbols: which third corner the triangle behind a gate has; `NO_TRIANGLE` where there is none."""
 
-MOST_TRIANGLES = 4_000_000
+MAX_TRIANGLES = 4_000_000
 
 HEADER = struct.Struct("<BIII3d")
 """Coordinates' form, vertices, symbols, old corners; and the origin, mm."""
@@ -37,7 +37,7 @@ WRAP = (1 << 64) - 1
 
 
 def mesh_bytes(mesh: Mesh, origin: Floats) -> bytes:
-    """A mesh as bytes; `mesh_in` gives it back, vertices and triangles in another order.
+    """A mesh as bytes; `mesh_in` returns it with vertices and triangles in another order.
 
     `origin` (3,), mm, is what the vertices were moved by, if they were: they take fewer bytes
     where they had fewer digits before. Every vertex must be a triangle's corner.
@@ -64,7 +64,7 @@ def mesh_in(data: bytes) -> Mesh:
     form, vertices, symbols, old, *origin = HEADER.unpack_from(data)
     expected = HEADER.size + symbols + 4 * old + 24 * vertices
     if len(data) != expected:
-        raise ValueError(f"the mesh announces {expected} bytes and has {len(data)}")
+        raise ValueError(f"the mesh states {expected} bytes and has {len(data)}")
     if form > DOUBLE or not np.isfinite(origin).all():
         raise ValueError("the mesh's coordinates have an unknown form")
     stop = HEADER.size + symbols
@@ -74,7 +74,9 @@ def mesh_in(data: bytes) -> Mesh:
     )
     triangles = _walk_along(walk)
     if len(walk.guesses) != 3 * vertices:
-        raise ValueError(f"the mesh announces {vertices} vertices; the walk has another number")
+        raise ValueError(
+            f"the mesh states {vertices} vertices, its walk has {len(walk.guesses) // 3}"
+        )
     folded = _from_planes(data[stop + 4 * old :], np.dtype("<u8"))
     residuals = (folded >> np.uint64(1)) ^ (np.uint64(0) - (folded & np.uint64(1)))
     codes = _summed(residuals.reshape(-1, 3), walk.guesses)
@@ -87,7 +89,7 @@ def mesh_in(data: bytes) -> Mesh:
 
 @dataclass(slots=True)
 class _Walk:
-    """What a walk writes down, and what both ends keep in mind on the way."""
+    """What a walk writes, and its state, which is the same when writing and when reading."""
 
     symbols: bytearray = field(default_factory=bytearray)
     old: array[int] = field(default_factory=lambda: array("I"))
@@ -172,7 +174,7 @@ def _walk_over(triangles: Ints, walk: _Walk) -> None:
             start, stop, opposite = gate
             corner = behind(start, stop)
             if corner is None:
-                walk.symbols.append(NOTHING)
+                walk.symbols.append(NO_TRIANGLE)
                 del walk.open[start, stop]
                 continue
             if corner not in number:
@@ -206,27 +208,27 @@ def _walk_along(walk: _Walk) -> Ints:
         else:
             found = -1
         if found < 0:
-            raise ValueError("the mesh's walk refers to a vertex that is not there")
+            raise ValueError("the mesh's walk refers to a vertex that does not exist")
         return found
 
     def add(a: int, b: int, c: int) -> None:
-        if len(triangles) >= 3 * MOST_TRIANGLES:
-            raise ValueError(f"the mesh has more than {MOST_TRIANGLES} triangles")
+        if len(triangles) >= 3 * MAX_TRIANGLES:
+            raise ValueError(f"the mesh has more than {MAX_TRIANGLES} triangles")
         triangles.extend((a, b, c))
         walk.add_triangle(a, b, c)
 
     for symbol in symbols:
         first = corner(symbol, None)
-        second = corner(next(symbols, NOTHING), None)
-        add(first, second, corner(next(symbols, NOTHING), None))
+        second = corner(next(symbols, NO_TRIANGLE), None)
+        add(first, second, corner(next(symbols, NO_TRIANGLE), None))
         while gate := walk.next_gate():
-            symbol = next(symbols, NOTHING)
-            if symbol == NOTHING:
+            symbol = next(symbols, NO_TRIANGLE)
+            if symbol == NO_TRIANGLE:
                 del walk.open[gate[:2]]
             else:
                 add(*gate[:2], corner(symbol, gate))
     if next(old, None) is not None:
-        raise ValueError("the mesh's walk leaves old corners over")
+        raise ValueError("the mesh has more old corners than its walk uses")
     return np.frombuffer(triangles, np.int64).reshape(-1, 3)
 
 
@@ -234,7 +236,7 @@ def _summed(residuals: NDArray[np.uint64], guesses: list[int]) -> NDArray[np.uin
     """Codes (v, 3): each residual on top of the guess made of earlier codes, modulo 2⁶⁴."""
     columns = []
     for column in residuals.T.tolist():
-        codes = [*column, 0]  # the last stands for the vertex −1
+        codes = [*column, 0]  # the last one is the vertex −1's
         for vertex in range(len(column)):
             a, b, opposite = guesses[3 * vertex : 3 * vertex + 3]
             codes[vertex] = (codes[vertex] + codes[a] + codes[b] - codes[opposite]) & WRAP

@@ -1,4 +1,4 @@
-"""The sections of an `.ont` text: found in any order, each knowing where it stands in its file."""
+"""The sections of an `.ont` text, in any order; each knows its position in its file."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ SITES = "VORONOI_SEED_COORDINATES"
 SITES_IN_FIGURE = "INITIAL_LAYER_VORONOI_SEED_COORDINATES"
 """What Fig. 3.20 calls the section that Algorithms 9 and 10 call `SITES`."""
 
-MOST_SECTIONS = MOST_FIELDS = 200
-"""Far more than anyone writes; without a bound a hostile file could fill the memory with them."""
+MAX_SECTIONS = MAX_FIELDS = 200
+"""Far more than any file needs; without a limit a hostile file could fill the memory with them."""
 
 _HEADER = re.compile(
     r"^[ \t]*+(?:\[([^\[\]\n]{1,64})\][ \t]*+(?://[^\n]*+)?|solid[^\n]*+)$",
@@ -32,9 +32,9 @@ class Body:
     text: str
     name: str
     head: int
-    """where the section's own line begins, and"""
+    """offset of the section's own line"""
     start: int
-    """where what it holds does"""
+    """offset of its content"""
     stop: int
 
     def error(self, message: str, at: int | None = None) -> FormatError:
@@ -43,7 +43,7 @@ class Body:
         return FormatError(message, path=self.path, line=line, section=self.name)
 
     def rows(self) -> Iterator[tuple[int, str]]:
-        """Offset and content of each line that holds anything besides a comment."""
+        """Offset and content of each line that is not empty or a comment."""
         at = self.start
         while at < self.stop:
             end = self.text.find("\n", at, self.stop)
@@ -54,11 +54,11 @@ class Body:
             at = end + 1
 
     def number(self) -> float:
-        """The one number that the section holds."""
+        """The one number that the section contains."""
         rows = list(islice(self.rows(), 2))
         if len(rows) != 1:
             many = "more than one line" if rows else "nothing"
-            raise self.error(f"holds {many}, one number is needed")
+            raise self.error(f"contains {many}; one number is needed")
         at, word = rows[0]
         return self.number_from(word, at)
 
@@ -90,7 +90,7 @@ class Field:
         return int(self.value)
 
     def numbers(self, count: int) -> list[float]:
-        """The value as so many finite numbers."""
+        """The value as a given count of finite numbers."""
         words = self.value.split(maxsplit=count)
         if len(words) != count:
             raise self.error(f"{self.value[:40]!r} is not {count} numbers")
@@ -111,7 +111,7 @@ class Field:
 
 
 class Fields:
-    """The `key = value` lines of a section; asked for one after the other, none left over."""
+    """The `key = value` lines of a section, taken one by one; `end` refuses those left over."""
 
     def __init__(self, body: Body, rows: Iterable[tuple[int, str]]) -> None:
         self.body = body
@@ -121,9 +121,9 @@ class Fields:
             if not equals:
                 raise body.error(f"{row[:40]!r} is not `key = value`", at)
             if key in self._fields:
-                raise body.error(f"`{key[:40]}` stands here a second time", at)
-            if len(self._fields) >= MOST_FIELDS:
-                raise body.error(f"holds more than {MOST_FIELDS} fields", at)
+                raise body.error(f"`{key[:40]}` is given twice", at)
+            if len(self._fields) >= MAX_FIELDS:
+                raise body.error(f"contains more than {MAX_FIELDS} fields", at)
             self._fields[key] = Field(body, at, value)
 
     def take(self, key: str) -> Field:
@@ -138,7 +138,7 @@ class Fields:
         return self._fields.pop(key, None)
 
     def end(self) -> None:
-        """Refuse keys that nobody has asked for."""
+        """Refuse keys that have not been taken."""
         for key, field in self._fields.items():
             raise field.error(f"`{key[:40]}` is unknown to this v3dcad; update it")
 
@@ -151,7 +151,7 @@ def sections_in(text: str, path: str) -> dict[str, Body]:
     """The sections of a text, whose lines are ended by line feeds, by name.
 
     A `solid` line outside `PART` begins that section, as it does for Algorithm 10. Raises
-    `FormatError` for a section that stands there twice and for text before the first.
+    `FormatError` for a section that is given twice and for text before the first.
     """
     starts: list[tuple[str, int, int]] = []
     for header in _HEADER.finditer(text):
@@ -160,13 +160,13 @@ def sections_in(text: str, path: str) -> dict[str, Body]:
             starts.append((name, header.start(), header.end() + 1))
         elif not starts or starts[-1][0] != PART:
             starts.append((PART, header.start(), header.start()))
-        if len(starts) > MOST_SECTIONS:
-            raise FormatError(f"holds more than {MOST_SECTIONS} sections", path=path)
+        if len(starts) > MAX_SECTIONS:
+            raise FormatError(f"contains more than {MAX_SECTIONS} sections", path=path)
     first = starts[0][1] if starts else len(text)
     for at, row in Body(path, text, "", 0, 0, first).rows():
         line = text.count("\n", 0, at) + 1
         raise FormatError(
-            f"not an .ont file: {row[:40]!r} stands before the first [SECTION]",
+            f"not an .ont file: {row[:40]!r} comes before the first [SECTION]",
             path=path, line=line,
         )  # fmt: skip
     found: dict[str, Body] = {}
@@ -176,6 +176,6 @@ def sections_in(text: str, path: str) -> dict[str, Body]:
             name = SITES
         body = Body(path, text, name, head, min(start, len(text)), stop)
         if name in found:
-            raise body.error("stands here a second time")
+            raise body.error("is given twice")
         found[name] = body
     return found

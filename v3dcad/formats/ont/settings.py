@@ -36,7 +36,7 @@ def settings_from(
 
     A file without settings of ours is the thesis's.
 
-    Raises `FormatError` for a setting that is not known, or a value that is none or out of range.
+    Raises `FormatError` for an unknown setting, and for a value that is invalid or out of range.
     """
     hints = get_type_hints(FillSettings)
     chosen: dict[str, Any] = {"layer_height": layer_height}
@@ -56,7 +56,7 @@ def settings_from(
         except SettingError as error:
             raise field.error(str(error)) from error
     if sites is not None and method == "thesis" and chosen.setdefault("sites", sites) != sites:
-        raise fields["sites"].error(f"announces {chosen['sites']} sites, {sites} are given")
+        raise fields["sites"].error(f"states {chosen['sites']} sites, but {sites} are listed")
     return FillSettings(**chosen)
 
 
@@ -67,7 +67,7 @@ def _text(value: object) -> str:
 
 
 def _value(field: Field, hint: Any) -> object:
-    """The value that a field's text stands for, given the setting's type."""
+    """The value of a field's text, given the setting's type."""
     kinds = get_args(hint) or (hint,)
     text = field.value
     if bool in kinds and text in ("true", "false"):

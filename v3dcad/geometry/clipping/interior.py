@@ -18,7 +18,6 @@ from v3dcad.geometry.compiled.arrays import (
     FloatRows,
     Int32Array,
     Int32Rows,
-    IntArray,
 )
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL
@@ -47,8 +46,6 @@ class CutCounts(Record):
     """cells with an inner vertex"""
     crossed: int
     """edges that rings cross"""
-    changed: int
-    """entries of `changed`"""
     highest_winding: int
     """the largest winding number, of either sign, that an inner vertex has had"""
 
@@ -78,13 +75,6 @@ class Cut(NamedTuple):
     """(3 t, 2) int32: what the winding number gains along it; and room for the next"""
     crossed: Int32Array
     """(3 t,) int32: keys of crossed edges"""
-    pair_at: IntArray
-    """(3 t,) int64: the cells p < q beside the edge with a key, as p · 2³² + q, where some of it
-    lies inside; else 0"""
-    before: IntArray
-    """(3 t,) int64: the same before the last changes; −1 where there were none"""
-    changed: Int32Array
-    """(3 t,) int32: keys with changes"""
     filled: Int32Array
     """(p,) int32: how many inner vertices each cell has"""
     listed: Int32Array
@@ -112,9 +102,6 @@ def empty_cut(points: int, triangles: int) -> Cut:
         first_on=np.full(3 * triangles, UNLISTED, np.int32),
         gain=np.zeros((3 * triangles, 2), np.int32),
         crossed=np.empty(3 * triangles, np.int32),
-        pair_at=np.zeros(3 * triangles, np.int64),
-        before=np.full(3 * triangles, -1, np.int64),
-        changed=np.empty(3 * triangles, np.int32),
         filled=np.zeros(points, np.int32),
         listed=np.empty(triangles, np.int32),
         picked=np.empty(triangles, np.int32),
@@ -204,19 +191,16 @@ def add_vertices(
 
 @linked(INTERNAL)
 def settle_edges(mesh: Triangulation, cut: Cut, keys: Int32Array, count: int) -> None:
-    """Make the edges with some keys (−1: none) what they should be: whole or not, neighbours or
-    not.
-    """
+    """Make the edges with some keys (−1: none) what they should be: whole, crossed or neither."""
     points, triangles = mesh.points, mesh.triangles
     inside, vertex_of = cut.inside, cut.vertex_of
     edges, sites, halves, edge_at = cut.edges, cut.sites, cut.halves, cut.edge_at
-    first_on, pair_at, before, changed = cut.first_on, cut.pair_at, cut.before, cut.changed
-    edge, listed = cut.state.whole, cut.state.changed
+    first_on, edge = cut.first_on, cut.state.whole
     for place in range(count):
         key = keys[place]
         if key < 0:
             continue
-        triangle, i, pair = key // 3, key % 3, 0
+        triangle, i = key // 3, key % 3
         other = triangles[triangle, ACROSS + i]
         if triangles[triangle, 0] != ABSENT and other > triangle:
             right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
@@ -224,8 +208,6 @@ def settle_edges(mesh: Triangulation, cut: Cut, keys: Int32Array, count: int) ->
             if not whole and first_on[key] == UNLISTED and inside[triangle] != 0:
                 cut.crossed[cut.state.crossed], first_on[key] = key, UNCROSSED
                 cut.state.crossed += 1
-            if whole or first_on[key] != UNLISTED:
-                pair = (min(right, left) << 32) + max(right, left)
             if whole and edge_at[key] < 0:
                 half = 3 * other + edge_to(triangles, other, triangle)
                 low, high, backwards = points[right, NUMBER], points[left, NUMBER], 0
@@ -237,10 +219,4 @@ def settle_edges(mesh: Triangulation, cut: Cut, keys: Int32Array, count: int) ->
                 halves[edge, 0], halves[edge, 1] = key, half
                 edge_at[key] = edge_at[half] = edge
                 edge += 1
-        if pair_at[key] != pair:
-            if before[key] < 0:
-                before[key] = pair_at[key]
-                changed[listed] = key
-                listed += 1
-            pair_at[key] = pair
-    cut.state.whole, cut.state.changed = edge, listed
+    cut.state.whole = edge

@@ -1,1 +1,1 @@
-"""Graphs: minimum spanning trees, from scratch and kept up to date, and trails along all edges."""
+"""Graphs: minimum spanning trees, and trails along all edges."""

@@ -70,7 +70,7 @@ def wound_alike(triangles: Ints) -> tuple[Ints, int]:
     partners = np.concatenate([other + size * opposed, other + size * ~opposed])
     _, sheet = _components(2 * size, nodes, partners)
     if np.any(sheet[:size] == sheet[size:]):
-        raise GeometryError("the mesh has a one-sided surface: no inside can be told")
+        raise GeometryError("the mesh has a one-sided surface, which has no inside")
     first = np.zeros(count, np.int64)
     first[body[::-1]] = np.arange(size)[::-1]
     turned = sheet[:size] != sheet[first[body]]
@@ -123,7 +123,7 @@ def body_bounds(vertices: Floats, triangles: Ints, body: Ints) -> tuple[Floats, 
 
 @compiled(INLINED)
 def arm(vertices: ConstFloatRows, node: int, point: ConstFloatArray) -> tuple[float, float, float]:
-    """The way from a point (3,) to a vertex: x, y, z."""
+    """The vector from a point (3,) to a vertex: x, y, z."""
     return vertices[node, 0] - point[0], vertices[node, 1] - point[1], vertices[node, 2] - point[2]
 
 

@@ -27,7 +27,7 @@ def subtracted(body: Mesh, tools: Sequence[Mesh]) -> Mesh:
 
 
 def intersected(one: Mesh, other: Mesh) -> Mesh:
-    """What two closed meshes both hold."""
+    """The intersection of two closed meshes."""
     return checked_mesh(manifold(one) ^ manifold(other))
 
 
@@ -53,12 +53,12 @@ def checked_mesh(body: Manifold) -> Mesh:
         np.asarray(found.tri_verts).astype(np.int64),
     )
     if not len(mesh.triangles) or not is_watertight(mesh) or mesh_volume(mesh) <= 0:
-        raise GeometryError("the united mesh is empty or not closed; change a size a bit")
+        raise GeometryError("the united mesh is empty or not closed; change a size slightly")
     return mesh
 
 
 def is_watertight(mesh: Mesh) -> bool:
-    """Whether every edge of a mesh is passed once each way."""
+    """Whether every edge of a mesh belongs to two triangles, once in each direction."""
     ends = mesh.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     there = np.sort(ends @ [len(mesh.vertices), 1])
     back = np.sort(ends[:, ::-1] @ [len(mesh.vertices), 1])

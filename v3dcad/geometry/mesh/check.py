@@ -1,4 +1,4 @@
-"""Is a triangle mesh the surface of a solid? What can be mended is mended, and said."""
+"""Is a triangle mesh the surface of a solid? What can be repaired is repaired and reported."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
     """The mesh as the closed, outward surface of a solid, and what had to be done for it.
 
     Exactly equal vertices are welded, triangles made to wind alike, inverted bodies turned,
-    overlapping bodies united; holes are closed where `repair` says so. One finding (a sentence)
-    for each thing done. That a body cuts through itself is not looked for. `GeometryError`, with
-    counts and places, where the mesh has no triangle, a vertex that is not finite, holes (and
-    `repair` is not given), or edges of more than two triangles that no winding makes even.
+    overlapping bodies united; with `repair` holes are closed. One finding (a sentence) for each
+    change. Bodies that cut through themselves are not detected. `GeometryError`, with counts and
+    positions, where the mesh has no triangle, a vertex that is not finite, holes (and `repair` is
+    not given), or edges of more than two triangles that no winding makes even.
     """
     findings: list[str] = []
     vertices, triangles = _welded(mesh, findings)
@@ -57,7 +57,7 @@ def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
             f"(the first is vertex {int(np.argmax(lost))})"
         )
     if mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices):
-        raise GeometryError(f"a triangle names a vertex beyond the {len(mesh.vertices)} there are")
+        raise GeometryError(f"a triangle refers to a vertex beyond the mesh's {len(mesh.vertices)}")
     vertices, number = np.unique(mesh.vertices[mesh.triangles.ravel()], axis=0, return_inverse=True)
     triangles = number.reshape(-1, 3).astype(np.int64)
     triangles = triangles[np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)]
@@ -91,7 +91,7 @@ def _count_uses(vertices: Floats, triangles: Ints, repair: bool) -> None:
 
 
 def _where(vertices: Floats, edges: Ints) -> str:
-    """Where the first edges are, in words."""
+    """The positions of the first edges, in words."""
     middles = vertices[edges].mean(axis=1)
     shown = ", ".join(f"({x:.4g}, {y:.4g}, {z:.4g})" for x, y, z in middles[:3])
     return f"the first at {shown}"
@@ -103,7 +103,7 @@ def _area(vertices: Floats, triangles: Ints) -> float:
 
 
 def _turned_outward(vertices: Floats, triangles: Ints, findings: list[str]) -> Ints:
-    """Bodies that lie in no other made to face outward, together with what lies in them."""
+    """Bodies that lie in no other turned to face outward, together with the bodies inside them."""
     body = bodies_of(triangles)
     inverted = signed_volumes(vertices, triangles, body) < 0
     if not inverted.any():

@@ -1,9 +1,9 @@
 """Closing the holes of a triangle mesh with patches of least area.
 
 Barequet and Sharir, "Filling gaps in the boundary of a polyhedron" (1995): of all triangulations
-of a hole's rim the one of least area, by dynamic programming. (pymeshfix would do it too, but its
-licence, AGPL, is not one that v3dcad can ask of its users; trimesh fills with fans, which fold
-where the rim is not convex.)
+of a hole's rim the one of least area, by dynamic programming. (pymeshfix does this too, but its
+licence, AGPL, would bind the users of v3dcad; trimesh fills with fans, which fold where the rim is
+not convex.)
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.geometry.mesh.bodies import arm, sides_of
 from v3dcad.model import Floats, Ints
 
-LONGEST_RIM = 1000
-"""Edges: the patch of a rim takes time with the cube of its length, here about a second."""
+MAX_RIM_EDGES = 1000
+"""The time for a patch grows with the cube of its rim's edges: about a second for this many."""
 
 
 def rims_of(triangles: Ints) -> list[Ints]:
     """Node ids of each hole's rim, in the direction in which a patch has to pass it.
 
-    A hole is bounded by edges that one triangle has; triangles must wind alike.
+    A hole is bounded by edges of only one triangle; triangles must wind alike.
     """
     sides = sides_of(triangles)
     lone = sides.starts[:-1][sides.uses() == 1]
@@ -45,13 +45,13 @@ def rims_of(triangles: Ints) -> list[Ints]:
 def patch(vertices: Floats, rim: Ints) -> Ints:
     """Triangles (k − 2, 3) of least area that close a rim (k,) of node ids.
 
-    `GeometryError` where the rim has more than `LONGEST_RIM` edges.
+    `GeometryError` where the rim has more than `MAX_RIM_EDGES` edges.
     """
-    if len(rim) > LONGEST_RIM:
+    if len(rim) > MAX_RIM_EDGES:
         x, y, z = vertices[rim].mean(axis=0)
         raise GeometryError(
             f"a hole of {len(rim)} edges about ({x:.4g}, {y:.4g}, {z:.4g}) is too long to patch "
-            f"(at most {LONGEST_RIM}): close it where the mesh was made"
+            f"(at most {MAX_RIM_EDGES}): close it where the mesh was made"
         )
     return rim[_least_area(vertices[rim])]
 

@@ -8,7 +8,7 @@ any tolerance.
 One rule decides about nodes that lie in a plane: they are above it. A section is thus the limit
 from below. At the mesh's lowest height, where nothing is below, they are beneath it: the limit
 from above. Nodes closer than `SNAP` to a plane lie in it. An edge in the plane that is a crest
-would be passed to and fro: both ways are left out.
+would be passed twice, there and back: both passes are left out.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import (
-    ConstFloatArray,
     ConstFloatRows,
     ConstIntArray,
     ConstIntRows,
+    FloatArray,
     FloatRows,
     IntArray,
 )
@@ -36,15 +36,15 @@ from v3dcad.model import Floats, Ints, Mesh, Section, Value
 SNAP = 1e-9
 """mm: a node this close to a plane lies in it; a ring this thin has no area."""
 
-BASE = 1e-6
-"""mm: a plane this close to a part's lowest height is at its base, whose height the placing of
-the part knows no better."""
+BASE_TOLERANCE = 1e-6
+"""mm: a plane this close to a part's lowest height is at its base; the placement of the part is no
+more exact."""
 
-SHARE = 64
-"""Planes given to an executor at a time."""
+PLANES_PER_TASK = 64
+"""Planes in one task of an executor."""
 
-BATCH = 4_000_000
-"""Crossings held at a time: bounds the memory of a tall part with many planes."""
+CROSSINGS_PER_BATCH = 4_000_000
+"""Crossings computed at a time: limits the memory for a tall part with many planes."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -60,30 +60,45 @@ class MeshEdges(Value):
 class Crossings(NamedTuple):
     """Where planes cross a mesh: rings of points, each on one mesh edge, end to end."""
 
-    points: Floats
+    points: FloatRows
     """(p, 2) mm"""
-    edges: Ints
+    edges: IntArray
     """(p,) the mesh edge on which the point lies"""
-    triangles: Ints
+    triangles: IntArray
     """(p,) the triangle that is crossed from this point to the next"""
-    starts: Ints
+    starts: IntArray
     """(r + 1,) where each ring begins"""
-    planes: Ints
+    planes: IntArray
     """(r,) the plane of each ring, ascending"""
+
+
+class _Planes(NamedTuple):
+    """Planes, and which of them cross what."""
+
+    heights: FloatArray
+    """(k,) mm"""
+    ranks: IntArray
+    """(v,) the first plane that each vertex is not above"""
+    begin: IntArray
+    """(t,) the first plane that crosses each triangle"""
+    end: IntArray
+    """(t,) the first plane after those"""
+    before: IntArray
+    """(k + 1,) crossings of triangles with the planes before each"""
 
 
 def section_mesh(mesh: Mesh, heights: Floats, executor: Executor | None = None) -> list[Section]:
     """Sections of a closed mesh at ascending heights (k,), mm.
 
     Each is the limit from below, at the mesh's lowest height from above. Duplicate points,
-    crests passed to and fro and rings without area are dropped. With an executor several planes
-    are computed at a time; the results are the same. `GeometryError` where the mesh is open or
-    heights do not ascend.
+    crests passed there and back, and rings without area are dropped. With an executor several
+    planes are computed at a time; the results are the same. `GeometryError` where the mesh is open
+    or heights do not ascend.
     """
     if executor is not None:
         check_heights(heights)
-        waiting = [executor.submit(section_mesh, mesh, share) for share in shares(heights)]
-        return [section for share in waiting for section in share.result()]
+        waiting = [executor.submit(section_mesh, mesh, task) for task in tasks(heights)]
+        return [section for future in waiting for section in future.result()]
     sections = []
     edges = mesh_edges(mesh.triangles)
     first = 0
@@ -125,8 +140,8 @@ def mesh_edges(triangles: Ints) -> MeshEdges:
 def pair_sides(key: Ints, backward: NDArray[np.bool_]) -> tuple[Ints, Ints, int]:
     """Pair sides (s,) of equal key that are passed one way with those passed the other way.
 
-    Returns the indices (e,) of the sides passed forward, those of their partners, and how many
-    sides have none.
+    Returns the indices (e,) of the sides passed forward, those of their partners, and the number
+    of sides without a partner.
     """
     way = key * 2 + backward
     order = np.argsort(way)
@@ -166,30 +181,33 @@ def cross_planes(mesh: Mesh, edges: MeshEdges, heights: Floats) -> Iterator[tupl
     before = np.concatenate([[0], np.cumsum(total[:-1])])
     first = 0
     while first < planes:
-        stop = max(first + 1, int(np.searchsorted(before, before[first] + BATCH, side="right")) - 1)
+        stop = max(
+            first + 1,
+            int(np.searchsorted(before, before[first] + CROSSINGS_PER_BATCH, side="right")) - 1,
+        )
         yield (
             stop - first,
-            Crossings(
-                *_cross(
-                    mesh.vertices,
-                    mesh.triangles,
-                    edges.nodes,
-                    edges.of_triangles,
-                    heights[first:stop],
+            _cross(
+                mesh.vertices,
+                mesh.triangles,
+                edges.nodes,
+                edges.of_triangles,
+                _Planes(
+                    np.array(heights[first:stop], np.float64),
                     ranks - first,
                     np.clip(begin, first, stop) - first,
                     np.clip(end, first, stop) - first,
                     before[first : stop + 1] - before[first],
-                )
+                ),
             ),
         )
         first = stop
 
 
 def at_base(heights: Floats, nodes: Floats) -> Floats:
-    """The heights (k,), those within `BASE` of the lowest node (n, 3) put exactly there."""
+    """The heights (k,), those within `BASE_TOLERANCE` of the lowest node (n, 3) moved to it."""
     lowest = nodes[:, 2].min(initial=np.inf)
-    return np.where(np.abs(heights - lowest) < BASE, lowest, heights)
+    return np.where(np.abs(heights - lowest) < BASE_TOLERANCE, lowest, heights)
 
 
 def check_heights(heights: Floats) -> None:
@@ -198,9 +216,9 @@ def check_heights(heights: Floats) -> None:
         raise GeometryError("section heights: give finite heights in ascending order")
 
 
-def shares(heights: Floats) -> list[Floats]:
-    """The heights (k,) in the shares that an executor is given."""
-    return np.split(heights, np.arange(SHARE, len(heights), SHARE))
+def tasks(heights: Floats) -> list[Floats]:
+    """The heights (k,) divided into the tasks that an executor is given."""
+    return np.split(heights, np.arange(PLANES_PER_TASK, len(heights), PLANES_PER_TASK))
 
 
 def plane_levels(heights: Floats, lowest: float) -> Floats:
@@ -215,27 +233,24 @@ def _cross(
     triangles: ConstIntRows,
     edge_nodes: ConstIntRows,
     edge_of: ConstIntRows,
-    heights: ConstFloatArray,
-    ranks: ConstIntArray,
-    begin: ConstIntArray,
-    end: ConstIntArray,
-    before: ConstIntArray,
-) -> tuple[FloatRows, IntArray, IntArray, IntArray, IntArray]:
+    planes: _Planes,
+) -> Crossings:
     """Cross every triangle with its planes, then link the crossings of each plane into rings."""
+    heights, ranks, begin, end, before = planes
     total = before[-1]
     descent = np.empty(total, np.int64)
     rise = np.empty(total, np.int64)
     crossed = np.empty(total, np.int64)
     level = np.full(total, -1)
-    place = before[:-1].copy()
+    free = before[:-1].copy()
     corner_z, corner_rank = np.empty(4), np.empty(4, np.int64)
     for triangle in range(len(triangles)):
         for corner in range(4 if begin[triangle] < end[triangle] else 0):
             node = triangles[triangle, corner % 3]
             corner_z[corner], corner_rank[corner] = vertices[node, 2], ranks[node]
         for plane in range(begin[triangle], end[triangle]):
-            slot = place[plane]
-            place[plane] += 1
+            slot = free[plane]
+            free[plane] += 1
             crossed[slot] = triangle
             for side in range(3):
                 tail_z, head_z = corner_z[side], corner_z[side + 1]
@@ -255,7 +270,7 @@ def _cross(
     walked = np.empty(total, np.int64)
     done = np.zeros(total, np.bool_)
     starts = np.zeros(total + 1, np.int64)
-    planes = np.empty(total, np.int64)
+    plane_of = np.empty(total, np.int64)
     written = rings = 0
     for plane in range(len(heights)):
         for slot in range(before[plane], before[plane + 1]):
@@ -288,15 +303,15 @@ def _cross(
                 while opposite[slot] >= 0:
                     slot = follower[rise[opposite[slot]]]
             if written > starts[rings]:
-                planes[rings] = plane
+                plane_of[rings] = plane
                 rings += 1
                 starts[rings] = written
-    return (
+    return Crossings(
         points[:written],
         edges[:written],
         walked[:written],
         starts[: rings + 1].copy(),
-        planes[:rings].copy(),
+        plane_of[:rings].copy(),
     )
 
 
@@ -304,9 +319,9 @@ def _cross(
 def is_thin(ring: ConstFloatRows, width: float) -> bool:
     """Whether the area of a ring (k, 2) is that of a line of a width, or less."""
     area, length = 0.0, 0.0
-    for place in range(1, len(ring)):
-        x, y = ring[place, 0] - ring[0, 0], ring[place, 1] - ring[0, 1]
-        back_x, back_y = ring[place - 1, 0] - ring[0, 0], ring[place - 1, 1] - ring[0, 1]
+    for k in range(1, len(ring)):
+        x, y = ring[k, 0] - ring[0, 0], ring[k, 1] - ring[0, 1]
+        back_x, back_y = ring[k - 1, 0] - ring[0, 0], ring[k - 1, 1] - ring[0, 1]
         area += back_x * y - back_y * x
         length += np.hypot(x - back_x, y - back_y)
     return abs(area) <= width * length

@@ -13,13 +13,13 @@ from v3dcad.model import Floats, Ints, Layer, Mesh
 from v3dcad.settings import check_size
 
 SIDES = 12
-"""Of the prism that stands for a round bar."""
+"""Sides of the prism that represents a round bar."""
 
 
 def bar_mesh(points: Floats, struts: Ints, diameter: float, sides: int = SIDES) -> Mesh:
     """Struts (s, 2) between points (v, 3), mm, as one closed mesh: prisms, balls at the joints.
 
-    Prisms and balls have as many sides, and the same volume as the round ones in the limit.
+    `sides` are those of a prism and of a ball; the more, the closer they are to round ones.
     """
     check_size("diameter", diameter)
     radius = diameter / 2

@@ -46,11 +46,11 @@ def box(low: Floats, high: Floats) -> Polyhedron:
 
 
 def cut(solid: Polyhedron, normal: Floats, offset: float) -> Polyhedron | None:
-    """What of a polyhedron lies in the half-space normal · x ≤ offset; None where nothing does.
+    """The part of a polyhedron in the half-space normal · x ≤ offset; None where there is none.
 
     A corner on the plane counts as inside, so that every corner has one side and the new face
-    always closes; where the plane runs through corners, edges without length come out, which
-    `welded` takes away.
+    always closes; where the plane runs through corners there are edges without length, which
+    `welded` removes.
     """
     above = (solid.points @ normal - offset).tolist()
     if max(above) <= 0:
@@ -127,7 +127,7 @@ def welded(solid: Polyhedron, tolerance: float) -> Polyhedron | None:
 
 
 def hollows(walls: Facets, thickness: float, low: Floats, high: Floats) -> list[Polyhedron]:
-    """What walls of a thickness, mm, leave of the cells within the box low … high (3,).
+    """The cells within the box low … high (3,) less walls of a thickness, mm.
 
     Warns how many cells close up; raises `SettingError` where all do, and for a thickness of 0.
     """
@@ -149,7 +149,7 @@ def check_diameter(walls: Facets, diameter: float, low: Floats, high: Floats) ->
     check_size("diameter", diameter)
     whole, closed = box(low, high), 0
     for planes, middle in _half_spaces(walls, diameter / 2).values():
-        # Mostly the middle of a cell tells that it stays open.
+        # Mostly the middle of a cell shows that it stays open.
         inside = (low < middle).all() and (middle < high).all()
         if not inside or (planes[:, :3] @ middle >= planes[:, 3]).any():
             closed += _cell(planes, whole) is None
@@ -199,7 +199,7 @@ def _half_spaces(walls: Facets, inset: float) -> dict[int, tuple[Floats, Floats]
 
 
 def _cell(planes: Floats, whole: Polyhedron) -> Polyhedron | None:
-    """What half-spaces (k, 4) leave of a polyhedron; None where that is nothing solid."""
+    """A polyhedron cut by half-spaces (k, 4); None where nothing solid is left."""
     cell: Polyhedron | None = whole
     for plane in planes:
         cell = cut(cell, plane[:3], float(plane[3])) if cell else None

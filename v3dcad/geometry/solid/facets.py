@@ -61,12 +61,12 @@ class Facets(Value):
         return np.asarray(found[uses > 2])
 
 
-def welded_facets(sites: Ints, points: Floats, starts: Ints, places: Floats) -> Facets:
+def welded_facets(sites: Ints, points: Floats, starts: Ints, sites_at: Floats) -> Facets:
     """Polygons (f), given one by one, with their corners shared.
 
-    `sites` (f, 2), i < j, lie on the two sides of each and stand at `places` (n, 3), mm; `points`
-    (c, 3), mm, are the corners, `starts` (f + 1,) where each polygon begins. Either way round will
-    do. Polygons that shrink to less than a triangle are left out.
+    `sites` (f, 2), i < j, lie on the two sides of each, at the points `sites_at` (n, 3), mm;
+    `points` (c, 3), mm, are the corners, `starts` (f + 1,) where each polygon begins. Corners may
+    run either way. Polygons that shrink to less than a triangle are left out.
     """
     if not len(points):
         none = np.empty((0, 2), np.int64)
@@ -89,21 +89,21 @@ def welded_facets(sites: Ints, points: Floats, starts: Ints, places: Floats) -> 
         np.concatenate([[0], np.cumsum(counts[left])]),
         sites[left],
     )
-    across = places[found.sites[:, 1]] - places[found.sites[:, 0]]
+    across = sites_at[found.sites[:, 1]] - sites_at[found.sites[:, 0]]
     return _turned(found, (found.vectors() * across).sum(axis=1) < 0)
 
 
 def _turned(walls: Facets, backwards: NDArray[np.bool_]) -> Facets:
     """The walls, some of them (f,) the other way round."""
     polygon = np.repeat(np.arange(len(walls)), np.diff(walls.starts))
-    place = np.arange(len(polygon))
-    mirrored = walls.starts[:-1][polygon] + walls.starts[1:][polygon] - 1 - place
-    corners = walls.corners[np.where(backwards[polygon], mirrored, place)]
+    index = np.arange(len(polygon))
+    mirrored = walls.starts[:-1][polygon] + walls.starts[1:][polygon] - 1 - index
+    corners = walls.corners[np.where(backwards[polygon], mirrored, index)]
     return Facets(walls.points, walls.slack, corners, walls.starts, walls.sites)
 
 
 def _following(starts: Ints) -> Ints:
-    """(c,) for each place in a list of polygons the place of the same polygon's next corner."""
+    """(c,) for each corner in a list of polygons the index of the same polygon's next corner."""
     after = np.arange(1, starts[-1] + 1)
     after[starts[1:] - 1] = starts[:-1]
     return after

@@ -7,21 +7,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.model import Diagram, Run, Section
+from v3dcad.model import CurveRun, Diagram, Section
 
 Corner = tuple[int, int]
-"""A ring of a section and the place of a corner on it, which also names the segment after it."""
+"""A ring of a section and the number of a corner in it, which is also that of the next segment."""
 
-STRAIGHT = Run(-1, 0, 0, "line", -1, ())
-"""Where a section says nothing of its curves (triangles), every segment of a ring is a line."""
+STRAIGHT = CurveRun(-1, 0, 0, "line", -1, ())
+"""Where a section has no curves (triangles), every segment of a ring is a line."""
 
 
 class Stretch(NamedTuple):
-    """Part of a contour that lies on one curve, between two places where others end on it."""
+    """Part of a contour that lies on one curve, between two points where walls or curves end."""
 
     chain: list[int]
     """vertex ids of the diagram along it; only the first and the last belong to others too"""
-    run: Run
+    run: CurveRun
 
 
 def contours(section: Section, diagram: Diagram) -> list[list[Stretch]]:
@@ -42,7 +42,7 @@ def contours(section: Section, diagram: Diagram) -> list[list[Stretch]]:
     ]
 
 
-def _runs_by_segment(section: Section) -> dict[Corner, Run]:
+def _runs_by_segment(section: Section) -> dict[Corner, CurveRun]:
     """The run of each segment (ring, index of its first corner)."""
     return {
         (run.ring, index % len(section.rings[run.ring])): run
@@ -70,8 +70,11 @@ def _closed_chains(diagram: Diagram) -> list[list[int]]:
 
 
 def _runs_along(
-    chain: list[int], corners_of: list[list[Corner]], run_at: dict[Corner, Run], section: Section
-) -> list[Run]:
+    chain: list[int],
+    corners_of: list[list[Corner]],
+    run_at: dict[Corner, CurveRun],
+    section: Section,
+) -> list[CurveRun]:
     """The run that each edge of a closed chain lies on: that of the last corner passed."""
     passed = next((corners_of[vertex][0] for vertex in reversed(chain) if corners_of[vertex]), None)
     runs = []
@@ -86,14 +89,10 @@ def _runs_along(
     return runs
 
 
-def _stretches(chain: list[int], runs: list[Run], walls_end: set[int]) -> Iterator[Stretch]:
+def _stretches(chain: list[int], runs: list[CurveRun], walls_end: set[int]) -> Iterator[Stretch]:
     """Cut one closed chain where its run changes and where walls end on it."""
     count = len(runs)
-    cuts = [
-        place
-        for place in range(count)
-        if chain[place] in walls_end or runs[place] != runs[place - 1]
-    ] or [0]
+    cuts = [k for k in range(count) if chain[k] in walls_end or runs[k] != runs[k - 1]] or [0]
     for first, last in zip(cuts, [*cuts[1:], cuts[0] + count], strict=True):
-        around = [chain[place % count] for place in range(first, last + 1)]
+        around = [chain[k % count] for k in range(first, last + 1)]
         yield Stretch(around, runs[first])

@@ -23,7 +23,7 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh, depth
 from v3dcad.geometry.surface.surfaces import CONE, SPHERE, TORUS, height_at
 from v3dcad.model import Floats, Ints
 
-MOST_IN_ONE = 4
+MAX_POINTS_EACH = 4
 """Critical points that a sphere, a torus or a triangle may have."""
 
 
@@ -34,14 +34,18 @@ def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
     """
     order = np.argsort(mesh.faces, kind="stable")
     first = np.searchsorted(mesh.faces[order], np.arange(len(mesh.surfaces) + 1))
-    found, parameters = _search(mesh.heap, mesh.surfaces, mesh.corners[order], first)
+    found, parameters = _search(mesh.coefficients, mesh.surfaces, mesh.corners[order], first)
     return order[found], parameters
 
 
 @compiled(INTERNAL)
-def _of_quadric(heap: ConstFloatArray, place: int, points: FloatRows) -> int:
+def _of_quadric(coefficients: ConstFloatArray, surface: int, points: FloatRows) -> int:
     """Where the normal of a sphere or torus is vertical: to `points` (4, 2); how many."""
-    up_x, up_y, up_z = heap[place + 6], heap[place + 9], heap[place + 12]
+    up_x, up_y, up_z = (
+        coefficients[surface + 6],
+        coefficients[surface + 9],
+        coefficients[surface + 12],
+    )
     level = np.hypot(up_x, up_y)
     if level <= 1e-9:
         return 0
@@ -50,20 +54,20 @@ def _of_quadric(heap: ConstFloatArray, place: int, points: FloatRows) -> int:
     points[1, 0], points[1, 1] = u + np.pi, np.arctan2(-up_z, level)
     points[2, 0], points[2, 1] = u, np.arctan2(-up_z, -level)
     points[3, 0], points[3, 1] = u + np.pi, np.arctan2(up_z, -level)
-    return 4 if int(heap[place]) == TORUS else 2
+    return 4 if int(coefficients[surface]) == TORUS else 2
 
 
 @compiled(INTERNAL)
 def _zero_gradient(
-    heap: ConstFloatArray, place: int, u: float, v: float, step: float
+    coefficients: ConstFloatArray, surface: int, u: float, v: float, step: float
 ) -> tuple[bool, float, float]:
     """Newton's method on ∂z/∂u = ∂z/∂v = 0, second derivatives by differences."""
     for _ in range(15):
-        _, u_slope, v_slope = height_at(heap, place, u, v)
-        _, right_u, right_v = height_at(heap, place, u + step, v)
-        _, left_u, left_v = height_at(heap, place, u - step, v)
-        _, above_u, above_v = height_at(heap, place, u, v + step)
-        _, below_u, below_v = height_at(heap, place, u, v - step)
+        _, u_slope, v_slope = height_at(coefficients, surface, u, v)
+        _, right_u, right_v = height_at(coefficients, surface, u + step, v)
+        _, left_u, left_v = height_at(coefficients, surface, u - step, v)
+        _, above_u, above_v = height_at(coefficients, surface, u, v + step)
+        _, below_u, below_v = height_at(coefficients, surface, u, v - step)
         uu = (right_u - left_u) / (2 * step)
         vv = (above_v - below_v) / (2 * step)
         uv = (right_v - left_v + above_u - below_u) / (4 * step)
@@ -80,7 +84,7 @@ def _zero_gradient(
 
 @compiled(ALLOCATING)
 def _of_triangle(
-    heap: ConstFloatArray, place: int, corners: ConstFloatRows, zeros: FloatRows
+    coefficients: ConstFloatArray, surface: int, corners: ConstFloatRows, zeros: FloatRows
 ) -> int:
     """Zeros of the gradient in a triangle, sought in its four quarters: to `zeros` (4, 2); how
     many.
@@ -90,7 +94,7 @@ def _of_triangle(
         one, other = k % 3, k if k < 3 else (k + 1) % 3
         u, v = (corners[one, 0] + corners[other, 0]) / 2, (corners[one, 1] + corners[other, 1]) / 2
         points[k, 0], points[k, 1] = u, v
-        _, gradients[k, 0], gradients[k, 1] = height_at(heap, place, u, v)
+        _, gradients[k, 0], gradients[k, 1] = height_at(coefficients, surface, u, v)
     around = np.empty((3, 2))
     count = 0
     for quarter in ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)):
@@ -102,7 +106,7 @@ def _of_triangle(
             size = max(size, abs(points[at, 0] - points[0, 0]), abs(points[at, 1] - points[0, 1]))
         if depth(around, 0.0, 0.0) < -0.5:
             continue
-        solved, u, v = _zero_gradient(heap, place, u / 3, v / 3, size * 1e-5)
+        solved, u, v = _zero_gradient(coefficients, surface, u / 3, v / 3, size * 1e-5)
         if solved and depth(corners, u, v) > -0.05:
             zeros[count, 0], zeros[count, 1] = u, v
             count += 1
@@ -111,21 +115,24 @@ def _of_triangle(
 
 @compiled(ENTRY)
 def _search(
-    heap: ConstFloatArray, surfaces: ConstIntArray, corners: ConstFloatStack, first: ConstIntArray
+    coefficients: ConstFloatArray,
+    surfaces: ConstIntArray,
+    corners: ConstFloatStack,
+    first: ConstIntArray,
 ) -> tuple[IntArray, FloatRows]:
-    triangles = np.empty(MOST_IN_ONE * (len(surfaces) + len(corners)), np.int64)
+    triangles = np.empty(MAX_POINTS_EACH * (len(surfaces) + len(corners)), np.int64)
     found = np.empty((len(triangles), 2))
-    points = np.empty((MOST_IN_ONE, 2))
+    points = np.empty((MAX_POINTS_EACH, 2))
     count = 0
     for face in range(len(surfaces)):
-        place = surfaces[face]
-        kind = int(heap[place])
+        surface = surfaces[face]
+        kind = int(coefficients[surface])
         begin, end = first[face], first[face + 1]
         if kind <= CONE or begin == end:
             continue
         if kind in (SPHERE, TORUS):
             turns = 2 if kind == TORUS else 0
-            for k in range(_of_quadric(heap, place, points)):
+            for k in range(_of_quadric(coefficients, surface, points)):
                 best, owner = -0.2, -1
                 for triangle in range(begin, end):
                     for turn in range(-2, 3):
@@ -142,7 +149,7 @@ def _search(
             continue
         known = count
         for triangle in range(begin, end):
-            for k in range(_of_triangle(heap, place, corners[triangle], points)):
+            for k in range(_of_triangle(coefficients, surface, corners[triangle], points)):
                 u, v = points[k, 0], points[k, 1]
                 new = True
                 for other in range(known, count):

@@ -1,6 +1,7 @@
 """Points and tangents of the curves of a B-rep, for compiled code.
 
-A curve is a stretch of numbers in a `heap`, found by the place of its first, which says its kind:
+All curves and surfaces of a part lie in one array of numbers, its `coefficients`. A curve is known
+by the index of its first coefficient, which is its kind:
 
 | kind | numbers after it |
 |---|---|
@@ -30,39 +31,44 @@ LINE, ELLIPSE, HYPERBOLA, PARABOLA, SPLINE = range(5)
 
 @compiled(INTERNAL)
 def _spline_at(
-    heap: ConstFloatArray, place: int, t: float
+    coefficients: ConstFloatArray, curve: int, t: float
 ) -> tuple[float, float, float, float, float, float]:
-    degree, count = int(heap[place + 1]), int(heap[place + 2])
-    knots = place + 4
+    degree, count = int(coefficients[curve + 1]), int(coefficients[curve + 2])
+    knots = curve + 4
     poles = knots + count
-    t = wrapped(t, heap[knots + degree], heap[poles - 1 - degree], heap[place + 3] > 0)
-    span = span_of(heap, knots, count, degree, t)
+    t = wrapped(
+        t,
+        coefficients[knots + degree],
+        coefficients[poles - 1 - degree],
+        coefficients[curve + 3] > 0,
+    )
+    span = span_of(coefficients, knots, count, degree, t)
     values, slopes = stack_array(), stack_array()
-    basis(heap, knots, span, degree, t, values, slopes)
+    basis(coefficients, knots, span, degree, t, values, slopes)
     x = y = z = w = dx = dy = dz = dw = 0.0
     for r in range(degree + 1):
         pole = poles + 4 * (span - degree + r)
-        x += values[r] * heap[pole]
-        y += values[r] * heap[pole + 1]
-        z += values[r] * heap[pole + 2]
-        w += values[r] * heap[pole + 3]
-        dx += slopes[r] * heap[pole]
-        dy += slopes[r] * heap[pole + 1]
-        dz += slopes[r] * heap[pole + 2]
-        dw += slopes[r] * heap[pole + 3]
+        x += values[r] * coefficients[pole]
+        y += values[r] * coefficients[pole + 1]
+        z += values[r] * coefficients[pole + 2]
+        w += values[r] * coefficients[pole + 3]
+        dx += slopes[r] * coefficients[pole]
+        dy += slopes[r] * coefficients[pole + 1]
+        dz += slopes[r] * coefficients[pole + 2]
+        dw += slopes[r] * coefficients[pole + 3]
     x, y, z = x / w, y / w, z / w
     return x, y, z, (dx - x * dw) / w, (dy - y * dw) / w, (dz - z * dw) / w
 
 
 @linked(ENTRY)
 def curve_at(
-    heap: ConstFloatArray, place: int, t: float
+    coefficients: ConstFloatArray, curve: int, t: float
 ) -> tuple[float, float, float, float, float, float]:
     """Point and tangent of a curve at parameter t: x, y, z, dx, dy, dz."""
-    kind = int(heap[place])
+    kind = int(coefficients[curve])
     if kind == SPLINE:
-        return _spline_at(heap, place, t)
-    p = heap[place + 1 : place + 12]
+        return _spline_at(coefficients, curve, t)
+    p = coefficients[curve + 1 : curve + 12]
     if kind == LINE:
         return p[0] + t * p[3], p[1] + t * p[4], p[2] + t * p[5], p[3], p[4], p[5]
     if kind == ELLIPSE:
@@ -82,9 +88,13 @@ def curve_at(
 
 
 @compiled(ENTRY)
-def curve_points(heap: ConstFloatArray, places: ConstIntArray, parameters: FloatArray) -> FloatRows:
-    """Points (k, 3) of curves (k,) at parameters (k,)."""
-    points = np.empty((len(places), 3))
-    for k in range(len(places)):
-        points[k, 0], points[k, 1], points[k, 2], _, _, _ = curve_at(heap, places[k], parameters[k])
+def curve_points(
+    coefficients: ConstFloatArray, curves: ConstIntArray, parameters: FloatArray
+) -> FloatRows:
+    """Points (k, 3), mm, of curves (k,) at parameters (k,)."""
+    points = np.empty((len(curves), 3))
+    for k in range(len(curves)):
+        points[k, 0], points[k, 1], points[k, 2], _, _, _ = curve_at(
+            coefficients, curves[k], parameters[k]
+        )
     return points

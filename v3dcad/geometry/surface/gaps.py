@@ -1,16 +1,16 @@
-"""Sections where a part's faces gape: their edges stand off them, by the file's own word.
+"""Sections where there are gaps between a part's faces and their edges.
 
 A file may store its edges with a tolerance far above what sections are computed to. Where a run
 reaches such an edge, its end lies off the face, and the runs on either side may meet before they
-come to the edge, or turn back on themselves just before it. What is put right:
+reach the edge, or turn back on themselves just before it. What is repaired:
 
 * a straight run lies on its face's exact line, with a step to the edge at either end, instead of
   leaning from edge to edge all along;
-* a loop no longer than `REACH` gapes is cut off where the ring crosses itself, or turns back on
-  itself: there the two faces truly meet;
-* a ring that is nowhere wider than a gape is the gap itself, and is left out.
+* a loop no longer than `MAX_LOOP_GAPS` gaps is cut off where the ring crosses itself, or turns
+  back on itself: there the two faces truly meet;
+* a ring that is nowhere wider than a gap is the gap itself, and is left out.
 
-Rings that touch no such face are left alone.
+Rings that touch no such face stay as they are.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ import numpy as np
 from v3dcad.geometry.compiled.arrays import (
     ConstFloatArray,
     ConstFloatRows,
-    ConstIntArray,
     ConstIntRows,
     FloatRows,
     IntArray,
@@ -29,33 +28,46 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
 from v3dcad.geometry.mesh.section import SNAP, is_thin
-from v3dcad.geometry.surface.conics import LINES
+from v3dcad.geometry.surface.conics import STRAIGHT_LINE
+from v3dcad.geometry.surface.level_curves import CurveRings
+from v3dcad.geometry.surface.mesh import MeshArrays
 from v3dcad.geometry.surface.surfaces import PLANE
 
-GAPE = 1e-3
-"""mm: a face whose edges may stand off it by more than this gapes."""
+MIN_GAP = 1e-3
+"""mm: edges that may lie farther off their face than this leave a gap."""
 
-REACH = 8
-"""How many gapes long a loop may be that is cut off: an edge that stands off by one gape lets
-the runs beside it overshoot by as much, to and fro, and more where they meet at a flat angle."""
+MAX_LOOP_GAPS = 8
+"""Longest loop that is cut off, as a multiple of the gap. An edge that lies one gap off its face
+lets the runs beside it overshoot by as much, there and back, and by more where they meet at a flat
+angle."""
 
 
 @compiled(INTERNAL)
 def _feet(
-    heap: ConstFloatArray, place: int, height: float, x: float, y: float, far_x: float, far_y: float
+    coefficients: ConstFloatArray,
+    surface: int,
+    height: float,
+    x: float,
+    y: float,
+    far_x: float,
+    far_y: float,
 ) -> tuple[float, float, float, float]:
-    """The points nearest to two points on the line that z = height cuts from a plane, or next to
-    them from a lying cylinder: x, y, and x, y.
+    """The nearest points to two points, on the line that z = height cuts from a plane, or from a
+    lying cylinder on their side of its axis: x, y, and x, y.
     """
-    a, b, rise = heap[place + 1], heap[place + 2], height - heap[place + 3]
-    e, f, g = heap[place + 10], heap[place + 11], heap[place + 12]
+    a, b, rise = (
+        coefficients[surface + 1],
+        coefficients[surface + 2],
+        height - coefficients[surface + 3],
+    )
+    e, f, g = coefficients[surface + 10], coefficients[surface + 11], coefficients[surface + 12]
     level = max(np.hypot(e, f), 1e-300)
-    if int(heap[place]) == PLANE:
+    if int(coefficients[surface]) == PLANE:
         across_x, across_y = e / level, f / level
         aside = -g * rise / level
     else:
         across_x, across_y = -f / level, e / level
-        aside = np.sqrt(max(heap[place + 13] ** 2 - rise * rise, 0.0))
+        aside = np.sqrt(max(coefficients[surface + 13] ** 2 - rise * rise, 0.0))
         if ((x + far_x) / 2 - a) * across_x + ((y + far_y) / 2 - b) * across_y < 0.0:
             aside = -aside
     step = aside - (x - a) * across_x - (y - b) * across_y
@@ -70,17 +82,12 @@ def _feet(
 
 @compiled(ALLOCATING)
 def _stepped(
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
-    gapes: ConstFloatArray,
-    ring: ConstFloatRows,
-    runs: ConstIntRows,
-    height: float,
+    mesh: MeshArrays, ring: ConstFloatRows, runs: ConstIntRows, height: float
 ) -> tuple[FloatRows, IntArray]:
-    """The points of a ring with its straight runs put on their faces' lines.
+    """The points of a ring with its straight runs moved onto their faces' lines.
 
-    Returns points (p, 2), and whose the segment from each is: twice the run's place among the
-    ring's, one more for a step between an edge and the line.
+    Returns points (p, 2), mm, and the owner (p,) of the segment from each: twice the run's number
+    in the ring, and one more for a step between an edge and the line.
     """
     count = len(ring)
     path = np.empty((count + 2 * len(runs), 2))
@@ -91,7 +98,7 @@ def _stepped(
         for k in range(start, stop):
             path[written, 0], path[written, 1], owner[written] = ring[k, 0], ring[k, 1], 2 * run
             written += 1
-        if runs[run, 3] != LINES or gapes[face] == 0.0:
+        if runs[run, 3] != STRAIGHT_LINE or mesh.gaps[face] == 0.0:
             continue
         x, y, far_x, far_y = (
             ring[start, 0],
@@ -100,13 +107,13 @@ def _stepped(
             ring[stop % count, 1],
         )
         foot_x, foot_y, far_foot_x, far_foot_y = _feet(
-            heap, surfaces[face], height, x, y, far_x, far_y
+            mesh.coefficients, mesh.surfaces[face], height, x, y, far_x, far_y
         )
         step = np.hypot(foot_x - x, foot_y - y)
         far_step = np.hypot(far_foot_x - far_x, far_foot_y - far_y)
         ahead = (far_x - x) * (far_foot_x - foot_x) + (far_y - y) * (far_foot_y - foot_y)
         # Where a face is so flat that its line is far off the edge, the run stays as it is.
-        if max(step, far_step) > REACH * gapes[face] or ahead <= 0.0:
+        if max(step, far_step) > MAX_LOOP_GAPS * mesh.gaps[face] or ahead <= 0.0:
             continue
         if step > SNAP:
             owner[written - 1] = 2 * run + 1
@@ -126,8 +133,8 @@ def _length(path: FloatRows, one: int, other: int) -> float:
 
 @compiled(INTERNAL)
 def _first_crossing(path: FloatRows, last: int, reach: float) -> tuple[int, float, float]:
-    """The first segment of a way that its segment to point `last` crosses, and where, if the loop
-    between is no longer than `reach`; −1 for none.
+    """The first segment of a path that its segment to point `last` crosses, and where, if the
+    loop between them is no longer than `reach`; −1 for none.
     """
     found, at_x, at_y, passed = -1, 0.0, 0.0, 0.0
     x, y = path[last - 1, 0], path[last - 1, 1]
@@ -153,7 +160,7 @@ def _first_crossing(path: FloatRows, last: int, reach: float) -> tuple[int, floa
 
 @linked(INTERNAL)
 def _turns_back(path: FloatRows, last: int, reach: float) -> bool:
-    """Whether a way comes back to point `last` as it went to the one before: a loop of no width."""
+    """Whether a path comes back to point `last` the way it went to the one before."""
     x, y = path[last - 1, 0], path[last - 1, 1]
     from_x, from_y = path[last - 2, 0] - x, path[last - 2, 1] - y
     to_x, to_y = path[last, 0] - x, path[last, 1] - y
@@ -170,7 +177,7 @@ def _without_loops(
 ) -> tuple[FloatRows, IntArray, bool]:
     """A ring (k, 2) with its loops no longer than `reach` cut off where it crosses itself.
 
-    `owner` (k,) names whose the segment from each point is. Returns both and whether anything
+    `owner` (k,) is the owner of the segment from each point. Returns both and whether anything
     was cut off.
     """
     count = len(path)
@@ -200,7 +207,7 @@ def _without_loops(
             cut = True
         crossed, at_x, at_y = _first_crossing(kept, top, reach)
         if crossed >= 0:
-            # The crossing takes the loop's place; the way on is that of the segment that came.
+            # The crossing replaces the loop; the segment that crossed goes on from there.
             goal_x, goal_y, way_on = kept[top, 0], kept[top, 1], whose[top - 1]
             top = crossed + 2
             kept[top - 1, 0], kept[top - 1, 1], whose[top - 1] = at_x, at_y, way_on
@@ -219,50 +226,41 @@ def _without_loops(
 @linked(INTERNAL)
 def _copy_run(
     runs: ConstIntRows,
-    numbers: ConstFloatRows,
+    parameters: ConstFloatRows,
     source: int,
     new_runs: IntRows,
-    new_numbers: FloatRows,
+    new_parameters: FloatRows,
     made: int,
 ) -> None:
     for column in range(runs.shape[1]):
         new_runs[made, column] = runs[source, column]
-    for column in range(numbers.shape[1]):
-        new_numbers[made, column] = numbers[source, column]
+    for column in range(parameters.shape[1]):
+        new_parameters[made, column] = parameters[source, column]
 
 
 @compiled(ENTRY)
-def mended(
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
-    gapes: ConstFloatArray,
-    points: ConstFloatRows,
-    starts: ConstIntArray,
-    runs: ConstIntRows,
-    numbers: ConstFloatRows,
-    heights: ConstFloatArray,
-) -> tuple[FloatRows, IntArray, IntRows, FloatRows]:
-    """The rings and runs of `surface_trace.trace`, which lie at heights (r,), mended where the
-    faces gape by `gapes` (f,), mm; in the same form.
-    """
+def repaired(mesh: MeshArrays, rings: CurveRings, heights: ConstFloatArray) -> CurveRings:
+    """The rings, which lie at heights (r,), mm, repaired where faces of the mesh have gaps."""
+    points, starts, runs, parameters = rings
+    gaps = mesh.gaps
     room = len(points) + 2 * len(runs)
     out = np.empty((room, 2))
     new_starts = np.zeros(len(starts), np.int64)
     new_runs = np.empty((room, 5), np.int64)
-    new_numbers = np.empty((room, numbers.shape[1]))
+    new_parameters = np.empty((room, parameters.shape[1]))
     written = made = run = 0
     for ring in range(len(starts) - 1):
         path = points[starts[ring] : starts[ring + 1]]
-        first_run, gape = run, 0.0
+        first_run, gap = run, 0.0
         while run < len(runs) and runs[run, 0] == ring:
-            gape = max(gape, gapes[runs[run, 4]])
+            gap = max(gap, gaps[runs[run, 4]])
             run += 1
         count, changed = len(path), False
-        if gape > 0.0:
+        if gap > 0.0:
             own_runs = runs[first_run:run]
-            stepped, owner = _stepped(heap, surfaces, gapes, path, own_runs, heights[ring])
-            whole, owner, cut = _without_loops(stepped, owner, REACH * gape)
-            if is_thin(whole, gape):
+            stepped, owner = _stepped(mesh, path, own_runs, heights[ring])
+            whole, owner, cut = _without_loops(stepped, owner, MAX_LOOP_GAPS * gap)
+            if is_thin(whole, gap):
                 count = 0
             elif cut or len(stepped) > count:
                 path, count, changed = whole, len(whole), True
@@ -274,15 +272,19 @@ def mended(
             here = (turn + k) % count
             out[written + k, 0], out[written + k, 1] = path[here, 0], path[here, 1]
             if changed and (k == 0 or owner[here] != owner[here - 1]):
-                _copy_run(runs, numbers, first_run + owner[here] // 2, new_runs, new_numbers, made)
+                _copy_run(
+                    runs, parameters, first_run + owner[here] // 2, new_runs, new_parameters, made
+                )
                 new_runs[made, 1] = k
                 made += 1
             if changed:
                 new_runs[made - 1, 2] = k + 1
         if count and not changed:
             for source in range(first_run, run):
-                _copy_run(runs, numbers, source, new_runs, new_numbers, made)
+                _copy_run(runs, parameters, source, new_runs, new_parameters, made)
                 made += 1
         written += count
         new_starts[ring + 1] = written
-    return out[:written].copy(), new_starts, new_runs[:made].copy(), new_numbers[:made].copy()
+    return CurveRings(
+        out[:written].copy(), new_starts, new_runs[:made].copy(), new_parameters[:made].copy()
+    )

@@ -2,29 +2,56 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from v3dcad.geometry.compiled.arrays import (
-    ConstFloatArray,
-    ConstFloatRows,
-    ConstFloatStack,
-    ConstIntArray,
-    ConstIntRows,
-    FloatRows,
-    IntArray,
-    IntRows,
-)
+from v3dcad.geometry.compiled.arrays import ConstFloatArray, FloatRows, IntArray, IntRows
 from v3dcad.geometry.compiled.linked import linked
-from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INTERNAL, compiled
-from v3dcad.geometry.mesh.section import SNAP, is_thin
-from v3dcad.geometry.surface.conics import CIRCLE, ELLIPSE, LINES, conic_at
-from v3dcad.geometry.surface.surfaces import surface_at
+from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INLINED, INTERNAL, compiled
+from v3dcad.geometry.mesh.section import SNAP, Crossings, is_thin
+from v3dcad.geometry.surface.conics import NO_CONIC, STRAIGHT_LINE, Conic, conic_at
+from v3dcad.geometry.surface.mesh import MeshArrays
+from v3dcad.geometry.surface.surfaces import step_to_line, surface_at
 
 CurvePoint = tuple[float, float, float, float]
 """A point of a level line on a surface: x, y, u, v."""
 
-MOST_HALVINGS = 10
+MAX_HALVINGS = 10
 """Of the stretch between two mesh edges."""
+
+
+class CurveRings(NamedTuple):
+    """Rings of points, and on which curve of which face each stretch of them lies."""
+
+    points: FloatRows
+    """(q, 2) mm"""
+    starts: IntArray
+    """(r + 1,) where each ring begins"""
+    runs: IntRows
+    """(m, 5) stretches of rings: ring, start, stop, kind of conic, face"""
+    parameters: FloatRows
+    """(m, 5) of the conic of each run: the fields of `Conic` after its kind"""
+
+
+class _Stretch(NamedTuple):
+    """Crossings `first` … `last` of a ring, all on one face; `whole` where they are all of it.
+
+    The ring has `length` crossings from index `begin` on, and is counted from its crossing `turn`.
+    """
+
+    begin: int
+    length: int
+    turn: int
+    first: int
+    last: int
+    whole: bool
+
+
+@compiled(INLINED)
+def _index(stretch: _Stretch, k: int) -> int:
+    """The index of a ring's crossing k."""
+    return stretch.begin + (stretch.turn + k) % stretch.length
 
 
 @linked(ALLOCATING)
@@ -39,42 +66,36 @@ def _with_room(out: FloatRows, written: int, more: int) -> FloatRows:
 
 
 @compiled(INTERNAL)
-def _direction(x: float, y: float, a: float, b: float, c: float, d: float, ratio: float) -> float:
+def _direction(conic: Conic, x: float, y: float) -> float:
     """The angle of a point on an ellipse, in the circle that the ellipse is squeezed from."""
-    x, y = x - a, y - b
-    return np.arctan2((y * c - x * d) / ratio, x * c + y * d)
+    x, y = x - conic.x, y - conic.y
+    c, d = conic.major_x, conic.major_y
+    return np.arctan2((y * c - x * d) / conic.ratio, x * c + y * d)
 
 
 @compiled(INTERNAL)
 def _crossing(
-    triangles: ConstIntRows,
-    corners: ConstFloatStack,
-    sides: ConstIntRows,
-    edge_nodes: ConstIntRows,
-    triangle: int,
-    points: ConstFloatRows,
-    shares: ConstFloatArray,
-    edges: ConstIntArray,
-    crossing: int,
+    mesh: MeshArrays, crossings: Crossings, shares: ConstFloatArray, triangle: int, crossing: int
 ) -> CurvePoint:
     """A crossing on one of a triangle's sides: x, y, and its parameters on the surface."""
-    edge, share = edges[crossing], shares[crossing]
-    u, v = corners[triangle, 0, 0], corners[triangle, 0, 1]
+    edge, share = crossings.edges[crossing], shares[crossing]
+    corners = mesh.corners[triangle]
+    u, v = corners[0, 0], corners[0, 1]
     for k in range(3):
-        if sides[triangle, k] == edge:
-            if triangles[triangle, k] != edge_nodes[edge, 0]:
+        if mesh.sides[triangle, k] == edge:
+            if mesh.triangles[triangle, k] != mesh.edge_nodes[edge, 0]:
                 share = 1 - share
             after = (k + 1) % 3
-            u = (1 - share) * corners[triangle, k, 0] + share * corners[triangle, after, 0]
-            v = (1 - share) * corners[triangle, k, 1] + share * corners[triangle, after, 1]
+            u = (1 - share) * corners[k, 0] + share * corners[after, 0]
+            v = (1 - share) * corners[k, 1] + share * corners[after, 1]
             break
-    return points[crossing, 0], points[crossing, 1], u, v
+    return crossings.points[crossing, 0], crossings.points[crossing, 1], u, v
 
 
 @compiled(INTERNAL)
 def _between(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     height: float,
     one: CurvePoint,
     other: CurvePoint,
@@ -90,7 +111,7 @@ def _between(
         return False, middle_x, middle_y, u, v
     settled = False
     for _ in range(12):
-        s = surface_at(heap, place, u, v)
+        s = surface_at(coefficients, surface, u, v)
         rise = s[0][2] - height
         along = (s[0][0] - middle_x) * chord_x + (s[0][1] - middle_y) * chord_y
         if settled:
@@ -98,20 +119,18 @@ def _between(
             return near, s[0][0], s[0][1], u, v
         # One more step squares an error as small as this: down to rounding.
         settled = abs(rise) < 1e-9 and abs(along) < 1e-6 * length * length
-        u_along = s[1][0] * chord_x + s[1][1] * chord_y
-        v_along = s[2][0] * chord_x + s[2][1] * chord_y
-        determinant = s[1][2] * v_along - s[2][2] * u_along
-        if determinant == 0.0:
+        solvable, u_step, v_step = step_to_line(s, rise, along, chord_x, chord_y)
+        if not solvable:
             break
-        u -= (rise * v_along - s[2][2] * along) / determinant
-        v -= (s[1][2] * along - u_along * rise) / determinant
+        u -= u_step
+        v -= v_step
     return False, middle_x, middle_y, u, v
 
 
 @linked(ALLOCATING)
 def _follow(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     height: float,
     one: CurvePoint,
     other: CurvePoint,
@@ -124,15 +143,15 @@ def _follow(
     Both are x, y and parameters u, v.
     """
     depth = 0
-    ends = np.empty((MOST_HALVINGS + 2, 4))
-    halvings = np.zeros(MOST_HALVINGS + 2, np.int64)
+    ends = np.empty((MAX_HALVINGS + 2, 4))
+    halvings = np.zeros(MAX_HALVINGS + 2, np.int64)
     ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = other
     here = one
     while depth >= 0:
         there = ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3]
         halved = False
-        if halvings[depth] < MOST_HALVINGS:
-            solved, x, y, u, v = _between(heap, place, height, here, there)
+        if halvings[depth] < MAX_HALVINGS:
+            solved, x, y, u, v = _between(coefficients, surface, height, here, there)
             if solved:
                 chord_x, chord_y = there[0] - here[0], there[1] - here[1]
                 away = (x - here[0]) * chord_y - (y - here[1]) * chord_x
@@ -150,46 +169,131 @@ def _follow(
     return written
 
 
+@linked(ALLOCATING)
+def _add_line(
+    out: FloatRows, written: int, points: FloatRows, stretch: _Stretch
+) -> tuple[FloatRows, int]:
+    """Write the first point of a straight stretch; returns the points and their number."""
+    here, last = _index(stretch, stretch.first), _index(stretch, stretch.last)
+    if points[here, 0] != points[last, 0] or points[here, 1] != points[last, 1]:
+        out = _with_room(out, written, 1)
+        out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
+        written += 1
+    return out, written
+
+
+@linked(ALLOCATING)
+def _add_conic(
+    out: FloatRows,
+    written: int,
+    points: FloatRows,
+    stretch: _Stretch,
+    conic: Conic,
+    tolerance: float,
+) -> tuple[FloatRows, int]:
+    """Write points of a circle or ellipse, their chords within the tolerance, without the last.
+
+    Returns the points and their number.
+    """
+    here = _index(stretch, stretch.first)
+    angle = before = _direction(conic, points[here, 0], points[here, 1])
+    swept = 0.0
+    for k in range(stretch.first + 1, stretch.last + 1):
+        other = _index(stretch, k)
+        after = _direction(conic, points[other, 0], points[other, 1])
+        way = after - before
+        if way > np.pi:  # the next point is less than half a turn away
+            way -= 2 * np.pi
+        elif way <= -np.pi:
+            way += 2 * np.pi
+        swept += way
+        before = after
+    a, b, c, d = conic.x, conic.y, conic.major_x, conic.major_y
+    major = np.hypot(c, d)
+    step = 2 * np.arccos(max(1 - tolerance / major, 0.5)) if major > 0 else np.pi
+    pieces = int(np.ceil(abs(swept) / step))
+    out = _with_room(out, written, pieces)
+    for k in range(pieces):
+        if k == 0 and not stretch.whole:
+            out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
+        else:
+            cosine = np.cos(angle + swept * k / pieces)
+            sine = np.sin(angle + swept * k / pieces) * conic.ratio
+            out[written, 0] = a + cosine * c - sine * d
+            out[written, 1] = b + cosine * d + sine * c
+        written += 1
+    return out, written
+
+
+@linked(ALLOCATING)
+def _add_level_curve(
+    out: FloatRows,
+    written: int,
+    mesh: MeshArrays,
+    crossings: Crossings,
+    shares: ConstFloatArray,
+    stretch: _Stretch,
+    height: float,
+    tolerance: float,
+) -> tuple[FloatRows, int]:
+    """Write points of a level curve on a surface, without the last; returns them and their number.
+
+    Newton's method finds them between crossings, until chords are within the tolerance.
+    """
+    points, crossed = crossings.points, crossings.triangles
+    surface = mesh.surfaces[mesh.faces[crossed[_index(stretch, stretch.first)]]]
+    for k in range(stretch.first, stretch.last):
+        one, other = _index(stretch, k), _index(stretch, k + 1)
+        if points[one, 0] == points[other, 0] and points[one, 1] == points[other, 1]:
+            continue
+        out = _with_room(out, written, 2**MAX_HALVINGS)
+        start = _crossing(mesh, crossings, shares, crossed[one], one)
+        end = _crossing(mesh, crossings, shares, crossed[one], other)
+        written = _follow(mesh.coefficients, surface, height, start, end, tolerance, out, written)
+    return out, written
+
+
+@compiled(INTERNAL)
+def _beginning(mesh: MeshArrays, crossings: Crossings, begin: int, length: int) -> tuple[int, bool]:
+    """Where to begin a ring: at a change of face, or else on an edge of the B-rep, if there is one.
+
+    Returns the number of the crossing in the ring, and whether the ring is free of both.
+    """
+    turn, free = 0, True
+    for k in range(length):
+        face = mesh.faces[crossings.triangles[begin + k]]
+        if face != mesh.faces[crossings.triangles[begin + (k - 1) % length]]:
+            return k, False
+        if free and mesh.edge_curves[crossings.edges[begin + k]] >= 0:
+            turn, free = k, False
+    return turn, free
+
+
 @compiled(ENTRY)
 def trace(
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
-    triangles: ConstIntRows,
-    corners: ConstFloatStack,
-    faces: ConstIntArray,
-    sides: ConstIntRows,
-    edge_nodes: ConstIntRows,
-    edge_curves: ConstIntArray,
-    points: ConstFloatRows,
+    mesh: MeshArrays,
+    crossings: Crossings,
     shares: ConstFloatArray,
-    edges: ConstIntArray,
-    crossed: ConstIntArray,
-    starts: ConstIntArray,
     heights: ConstFloatArray,
     tolerance: float,
-) -> tuple[FloatRows, IntArray, IntRows, FloatRows]:
-    """Rings to the chord tolerance, with their runs.
+) -> CurveRings:
+    """Rings of a section to the chord tolerance (mm), with the curves that they lie on.
 
-    Returns points (q, 2), where each ring starts (r + 1,), runs as (ring, start, stop, curve,
-    face), and their parameters (m, 5).
+    `crossings` lie on the true curves of the mesh's edges, at shares (p,) of their ways; the
+    rings at heights (r,), mm. A ring without area is left without points.
     """
+    points, crossed, starts = crossings.points, crossings.triangles, crossings.starts
+    coefficients, surfaces, faces = mesh.coefficients, mesh.surfaces, mesh.faces
     out = np.empty((2 * len(points) + 64, 2))
     written = 0
     new_starts = np.zeros(len(starts), np.int64)
     runs = np.empty((len(points) + 16, 5), np.int64)
-    numbers = np.zeros((len(points) + 16, 5))
+    parameters = np.zeros((len(points) + 16, 5))
     made = 0
     for ring in range(len(starts) - 1):
         begin, length = starts[ring], starts[ring + 1] - starts[ring]
         height = heights[ring]
-        # Begin where the face changes, or else on an edge of the B-rep, if there is one.
-        turn, alone = 0, True
-        for k in range(length):
-            if faces[crossed[begin + k]] != faces[crossed[begin + (k - 1) % length]]:
-                turn, alone = k, False
-                break
-            if alone and edge_curves[edges[begin + k]] >= 0:
-                turn, alone = k, False
+        turn, free = _beginning(mesh, crossings, begin, length)
         base, first_run = written, made
         k = 0
         while k < length:
@@ -198,65 +302,26 @@ def trace(
             stop = k + 1
             while stop < length and faces[crossed[begin + (turn + stop) % length]] == face:
                 stop += 1
-            place = surfaces[face]
-            curve, a, b, c, d, ratio = conic_at(
-                heap, place, height, points[here, 0], points[here, 1]
-            )
+            stretch = _Stretch(begin, length, turn, k, stop, free)
+            conic = conic_at(coefficients, surfaces[face], height, points[here, 0], points[here, 1])
             run_start = written
-            if curve == LINES:
-                last = begin + (turn + stop) % length
-                if points[here, 0] != points[last, 0] or points[here, 1] != points[last, 1]:
-                    out = _with_room(out, written, 1)
-                    out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
-                    written += 1
-            elif curve in (CIRCLE, ELLIPSE):
-                angle = before = _direction(points[here, 0], points[here, 1], a, b, c, d, ratio)
-                swept = 0.0
-                for j in range(k + 1, stop + 1):
-                    other = begin + (turn + j) % length
-                    after = _direction(points[other, 0], points[other, 1], a, b, c, d, ratio)
-                    way = after - before
-                    if way > np.pi:  # the next point is less than half a turn away
-                        way -= 2 * np.pi
-                    elif way <= -np.pi:
-                        way += 2 * np.pi
-                    swept += way
-                    before = after
-                major = np.hypot(c, d)
-                step = 2 * np.arccos(max(1 - tolerance / major, 0.5)) if major > 0 else np.pi
-                pieces = int(np.ceil(abs(swept) / step))
-                out = _with_room(out, written, pieces)
-                for j in range(pieces):
-                    if j == 0 and not alone:
-                        out[written, 0], out[written, 1] = points[here, 0], points[here, 1]
-                    else:
-                        cosine = np.cos(angle + swept * j / pieces)
-                        sine = np.sin(angle + swept * j / pieces) * ratio
-                        out[written, 0] = a + cosine * c - sine * d
-                        out[written, 1] = b + cosine * d + sine * c
-                    written += 1
+            if conic.kind == STRAIGHT_LINE:
+                out, written = _add_line(out, written, points, stretch)
+            elif conic.kind == NO_CONIC:
+                out, written = _add_level_curve(
+                    out, written, mesh, crossings, shares, stretch, height, tolerance
+                )
             else:
-                for j in range(k, stop):
-                    one = begin + (turn + j) % length
-                    other = begin + (turn + j + 1) % length
-                    if points[one, 0] == points[other, 0] and points[one, 1] == points[other, 1]:
-                        continue
-                    out = _with_room(out, written, 2**MOST_HALVINGS)
-                    mesh = triangles, corners, sides, edge_nodes
-                    start = _crossing(*mesh, crossed[one], points, shares, edges, one)
-                    end = _crossing(*mesh, crossed[one], points, shares, edges, other)
-                    written = _follow(heap, place, height, start, end, tolerance, out, written)
+                out, written = _add_conic(out, written, points, stretch, conic, tolerance)
             if written > run_start:
-                runs[made, 0] = ring
-                runs[made, 1] = run_start - base
-                runs[made, 2] = written - base
-                runs[made, 3] = curve
-                runs[made, 4] = face
-                numbers[made, 0], numbers[made, 1], numbers[made, 2] = a, b, c
-                numbers[made, 3], numbers[made, 4] = d, ratio
+                runs[made, 0], runs[made, 1], runs[made, 2] = ring, run_start - base, written - base
+                runs[made, 3], runs[made, 4] = conic.kind, face
+                parameters[made, 0], parameters[made, 1] = conic.x, conic.y
+                parameters[made, 2], parameters[made, 3] = conic.major_x, conic.major_y
+                parameters[made, 4] = conic.ratio
                 made += 1
             k = stop
         if is_thin(out[base:written], SNAP):
             written, made = base, first_run
         new_starts[ring + 1] = written
-    return out[:written].copy(), new_starts, runs[:made], numbers[:made]
+    return CurveRings(out[:written].copy(), new_starts, runs[:made], parameters[:made])

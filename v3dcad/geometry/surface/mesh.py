@@ -15,13 +15,17 @@ and nothing is missed however thin.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from v3dcad.geometry.compiled.arrays import (
     ConstFloatArray,
     ConstFloatRows,
+    ConstFloatStack,
     ConstIntArray,
+    ConstIntRows,
     FloatRows,
 )
 from v3dcad.geometry.compiled.linked import linked
@@ -38,10 +42,10 @@ NEGLIGIBLE = 1e-10
 class SurfaceMesh(Value):
     """Triangles on true surfaces. Only numbers: it travels between processes as it is."""
 
-    heap: Floats
-    """the geometry of all curves and surfaces, see `curves` and `surfaces`"""
+    coefficients: Floats
+    """(c,) of all curves and surfaces, see `curves` and `surfaces`"""
     surfaces: Ints
-    """(f,) place of each face's surface in the heap"""
+    """(f,) index of each face's surface in the coefficients"""
     nodes: Floats
     """(n, 3) mm"""
     triangles: Ints
@@ -57,12 +61,40 @@ class SurfaceMesh(Value):
     edge_faces: Ints
     """(e,) a face on which the edge lies"""
     edge_curves: Ints
-    """(e,) place of its curve in the heap, if it lies on an edge of the B-rep, else −1"""
+    """(e,) index of its curve in the coefficients, if it lies on an edge of the B-rep, else −1"""
     edge_spans: Floats
     """(e, 4) the curve's parameters at both nodes, or u, v at the first and u, v at the second"""
-    gapes: Floats
-    """(f,) mm: how far the edges of each face may stand off it, where that is worth mending
-    (`gapes`), else 0"""
+    gaps: Floats
+    """(f,) mm: how far the edges of each face may lie off it, where that is worth repairing
+    (see `gaps`), else 0"""
+
+    def arrays(self) -> MeshArrays:
+        """The arrays as compiled functions take them."""
+        return MeshArrays(*(_constant(getattr(self, name)) for name in MeshArrays._fields))
+
+
+class MeshArrays(NamedTuple):
+    """The arrays of a `SurfaceMesh`, which compiled functions only read."""
+
+    coefficients: ConstFloatArray
+    surfaces: ConstIntArray
+    nodes: ConstFloatRows
+    triangles: ConstIntRows
+    corners: ConstFloatStack
+    faces: ConstIntArray
+    sides: ConstIntRows
+    edge_nodes: ConstIntRows
+    edge_faces: ConstIntArray
+    edge_curves: ConstIntArray
+    edge_spans: ConstFloatRows
+    gaps: ConstFloatArray
+
+
+def _constant(array: NDArray[Any]) -> NDArray[Any]:
+    """A contiguous, read-only view of an array; numba converts no array inside of a tuple."""
+    view = np.ascontiguousarray(array).view()
+    view.flags.writeable = False
+    return view
 
 
 @compiled(INTERNAL)
@@ -79,59 +111,59 @@ def depth(corners: ConstFloatRows, u: float, v: float) -> float:
 
 @compiled(ENTRY)
 def along_edge(
-    heap: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray, share: float
+    coefficients: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray, share: float
 ) -> tuple[float, float, float, float]:
     """Point at a share of the way along a mesh edge, and its z slope: x, y, z, dz/dshare."""
     if curve >= 0:
         step = span[1] - span[0]
-        point = curve_at(heap, curve, span[0] + share * step)
+        point = curve_at(coefficients, curve, span[0] + share * step)
         return point[0], point[1], point[2], point[5] * step
     u_step, v_step = span[2] - span[0], span[3] - span[1]
-    s = surface_at(heap, surface, span[0] + share * u_step, span[1] + share * v_step)
+    s = surface_at(coefficients, surface, span[0] + share * u_step, span[1] + share * v_step)
     return s[0][0], s[0][1], s[0][2], s[1][2] * u_step + s[2][2] * v_step
 
 
 @compiled(INTERNAL)
 def _height_along(
-    heap: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray, share: float
+    coefficients: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray, share: float
 ) -> tuple[float, float]:
     """The z and dz/dshare of `along_edge`."""
     if curve >= 0:
         step = span[1] - span[0]
-        point = curve_at(heap, curve, span[0] + share * step)
+        point = curve_at(coefficients, curve, span[0] + share * step)
         return point[2], point[5] * step
     u_step, v_step = span[2] - span[0], span[3] - span[1]
     z, u_slope, v_slope = height_at(
-        heap, surface, span[0] + share * u_step, span[1] + share * v_step
+        coefficients, surface, span[0] + share * u_step, span[1] + share * v_step
     )
     return z, u_slope * u_step + v_slope * v_step
 
 
 @linked(INTERNAL)
 def turning_point(
-    heap: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray
+    coefficients: ConstFloatArray, surface: int, curve: int, span: ConstFloatArray
 ) -> tuple[float, float]:
     """Share of the way at which an edge's height turns the most, and by how much above or below
     its nearer end (mm); 0 and 0 if it is monotone.
     """
-    straight = heap[curve] == LINE if curve >= 0 else heap[surface] == PLANE
+    straight = coefficients[curve] == LINE if curve >= 0 else coefficients[surface] == PLANE
     if straight:
         return 0.0, 0.0
     pieces = 8
-    first_z, before = _height_along(heap, surface, curve, span, 0.0)
+    first_z, before = _height_along(coefficients, surface, curve, span, 0.0)
     best, found = 0.0, 0.0
     for piece in range(pieces):
-        slope = _height_along(heap, surface, curve, span, (piece + 1) / pieces)[1]
+        slope = _height_along(coefficients, surface, curve, span, (piece + 1) / pieces)[1]
         if before * slope < 0:
             low, high = piece / pieces, (piece + 1) / pieces
             for _ in range(48):
                 middle = (low + high) / 2
-                if _height_along(heap, surface, curve, span, middle)[1] * slope < 0:
+                if _height_along(coefficients, surface, curve, span, middle)[1] * slope < 0:
                     low = middle
                 else:
                     high = middle
-            z = _height_along(heap, surface, curve, span, low)[0]
-            last_z = _height_along(heap, surface, curve, span, 1.0)[0]
+            z = _height_along(coefficients, surface, curve, span, low)[0]
+            last_z = _height_along(coefficients, surface, curve, span, 1.0)[0]
             rise = min(abs(z - first_z), abs(z - last_z))
             if rise > max(best, NEGLIGIBLE):
                 best, found = rise, low
@@ -141,7 +173,7 @@ def turning_point(
 
 @compiled(ENTRY)
 def turning_points(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     surfaces: ConstIntArray,
     faces: ConstIntArray,
     curves: ConstIntArray,
@@ -151,18 +183,18 @@ def turning_points(
     turns = np.empty((len(faces), 2))
     for edge in range(len(faces)):
         turns[edge, 0], turns[edge, 1] = turning_point(
-            heap, surfaces[faces[edge]], curves[edge], spans[edge]
+            coefficients, surfaces[faces[edge]], curves[edge], spans[edge]
         )
     return turns
 
 
 @linked(INTERNAL)
 def project(
-    heap: ConstFloatArray, surface: int, point: ConstFloatArray, u: float, v: float
+    coefficients: ConstFloatArray, surface: int, point: ConstFloatArray, u: float, v: float
 ) -> tuple[float, float]:
     """Parameters of the point of a surface next to a point, by Gauss–Newton from (u, v)."""
     for _ in range(20):
-        s = surface_at(heap, surface, u, v)
+        s = surface_at(coefficients, surface, u, v)
         uu = uv = vv = a = b = 0.0
         for axis in range(3):
             gap, along_u, along_v = point[axis] - s[0][axis], s[1][axis], s[2][axis]

@@ -1,4 +1,4 @@
-"""Poles: points of a face in which one of its parameters does not matter.
+"""Poles: points of a face where one of its parameters has no effect.
 
 A triangulation gives a pole any value of that parameter, so that its mesh edges would wind
 around the pole. Here they become meridians: an edge that ends in the pole keeps, at the pole, the
@@ -34,7 +34,7 @@ def with_meridians(mesh: SurfaceMesh, poles: NDArray[np.bool_]) -> SurfaceMesh:
     for triangle, pole in np.argwhere(poles).tolist():
         after, before = (pole + 1) % 3, (pole + 2) % 3
         at = mesh.corners[triangle]
-        tangents = surface_at(mesh.heap, mesh.surfaces[mesh.faces[triangle]], *at[pole])[1:]
+        tangents = surface_at(mesh.coefficients, mesh.surfaces[mesh.faces[triangle]], *at[pole])[1:]
         free = int(np.argmin(np.linalg.norm(tangents, axis=1)))
         out, back = at[pole].copy(), at[pole].copy()
         out[free], back[free] = at[after, free], at[before, free]

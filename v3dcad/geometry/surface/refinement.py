@@ -25,7 +25,7 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh, depth, project, turning_po
 from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.model import Floats, Ints
 
-MOST_SPLITS = 64
+MAX_SPLITS_PER_EDGE = 64
 """Splits per edge that the mesh had: a bound for surfaces that ripple without end."""
 
 
@@ -35,27 +35,16 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
     `GeometryError` where a face ripples so much that this does not end.
     """
     turns = turning_points(
-        mesh.heap, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
+        mesh.coefficients, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
     )
     turning = np.flatnonzero(turns[:, 1] > 0)
     order = np.argsort(mesh.sides.ravel(), kind="stable")
     owners = (order[np.count_nonzero(mesh.sides < 0) :] // 3).reshape(-1, 2)
     room = 64 + 4 * (len(triangles) + len(turning))
-    while room <= max(MOST_SPLITS * len(mesh.edge_nodes), 64):
+    while room <= max(MAX_SPLITS_PER_EDGE * len(mesh.edge_nodes), 64):
         tables = _tables(mesh, owners, room)
-        splits = _refine(
-            mesh.heap,
-            mesh.surfaces,
-            tables,
-            len(mesh.nodes),
-            len(mesh.triangles),
-            len(mesh.edge_nodes),
-            room,
-            triangles,
-            parameters,
-            turning,
-            turns[turning],
-        )
+        counts = len(mesh.nodes), len(mesh.triangles), len(mesh.edge_nodes)
+        splits = _refine(tables, counts, room, triangles, parameters, turning, turns[turning])
         if splits >= 0:
             return _taken(mesh, tables, splits)
         room *= 4
@@ -63,8 +52,8 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
 
 
 class _Tables(NamedTuple):
-    """The arrays of a `SurfaceMesh` that grow, with room for more rows: a split adds one node, two
-    triangles and three edges. Owners (e, 2) are the triangles beside each edge.
+    """The arrays of a `SurfaceMesh`, those that grow with room for more rows: a split adds one
+    node, two triangles and three edges. Owners (e, 2) are the triangles beside each edge.
     """
 
     nodes: FloatRows
@@ -77,40 +66,79 @@ class _Tables(NamedTuple):
     edge_curves: IntArray
     edge_spans: FloatRows
     owners: IntRows
+    coefficients: ConstFloatArray
+    surfaces: ConstIntArray
 
 
-ROWS = (1, 2, 2, 2, 2, 3, 3, 3, 3, 3)
-"""Rows that a split adds to each of the tables."""
+Counts = tuple[int, int, int]
+"""How many nodes, triangles and edges of the tables are in use."""
+
+
+class _Split(NamedTuple):
+    """A split of an edge at a new node, after a share of its way.
+
+    `edge` becomes its part from the node `first` to the new one, `rest` the part after it.
+    """
+
+    edge: int
+    share: float
+    node: int
+    first: int
+    rest: int
+
+
+ROWS_PER_SPLIT = {
+    "nodes": 1,
+    "triangles": 2,
+    "corners": 2,
+    "faces": 2,
+    "sides": 2,
+    "edge_nodes": 3,
+    "edge_faces": 3,
+    "edge_curves": 3,
+    "edge_spans": 3,
+}
+"""Rows that a split adds to each of the mesh's tables."""
 
 
 def _tables(mesh: SurfaceMesh, owners: Ints, room: int) -> _Tables:
-    """The mesh's arrays with room for so many splits."""
-    rows = [getattr(mesh, name) for name in _Tables._fields[:-1]] + [owners]
-    return _Tables(*(_with_room(*each, room) for each in zip(rows, ROWS, strict=True)))
+    """The mesh's arrays with room for a number of splits."""
+    grown = {
+        name: _with_room(getattr(mesh, name), rows * room) for name, rows in ROWS_PER_SPLIT.items()
+    }
+    arrays = mesh.arrays()
+    return _Tables(
+        **grown,
+        owners=_with_room(owners, ROWS_PER_SPLIT["edge_nodes"] * room),
+        coefficients=arrays.coefficients,
+        surfaces=arrays.surfaces,
+    )
 
 
 def _taken(mesh: SurfaceMesh, tables: _Tables, splits: int) -> SurfaceMesh:
-    """The mesh with what was added by so many splits."""
-    found = zip(_Tables._fields[:-1], ROWS[:-1], strict=True)
+    """The mesh with what a number of splits added."""
     return replace(
         mesh,
         **{
             name: getattr(tables, name)[: len(getattr(mesh, name)) + rows * splits]
-            for name, rows in found
+            for name, rows in ROWS_PER_SPLIT.items()
         },
     )
 
 
-def _with_room(rows: NDArray[Any], more: int, times: int) -> NDArray[Any]:
+def _with_room(rows: NDArray[Any], more: int) -> NDArray[Any]:
     """The rows in an array that has room for more of them."""
-    whole = np.empty((len(rows) + more * times, *rows.shape[1:]), rows.dtype)
+    whole = np.empty((len(rows) + more, *rows.shape[1:]), rows.dtype)
     whole[: len(rows)] = rows
     return whole
 
 
+_Corner = tuple[int, float, float, int]
+"""A corner of a triangle: its node, its u and v, and the edge from there to the next."""
+
+
 @compiled(INTERNAL)
-def _corner(mesh: _Tables, triangle: int, corner: int) -> tuple[int, float, float, int]:
-    """The node of a triangle's corner, its u and v, and the edge from there to the next."""
+def _corner(mesh: _Tables, triangle: int, corner: int) -> _Corner:
     u, v = mesh.corners[triangle, corner, 0], mesh.corners[triangle, corner, 1]
     return mesh.triangles[triangle, corner], u, v, mesh.sides[triangle, corner]
 
@@ -119,31 +147,21 @@ def _corner(mesh: _Tables, triangle: int, corner: int) -> tuple[int, float, floa
 def _set_edge(
     mesh: _Tables,
     edge: int,
-    first: int,
-    last: int,
+    nodes: tuple[int, int],
     face: int,
     curve: int,
-    a: float,
-    b: float,
-    c: float,
-    d: float,
+    span: tuple[float, float, float, float],
 ) -> None:
-    mesh.edge_nodes[edge, 0], mesh.edge_nodes[edge, 1] = first, last
+    mesh.edge_nodes[edge, 0], mesh.edge_nodes[edge, 1] = nodes
     mesh.edge_faces[edge], mesh.edge_curves[edge] = face, curve
-    mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1] = a, b
-    mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = c, d
+    mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1] = span[0], span[1]
+    mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = span[2], span[3]
 
 
 @compiled(INTERNAL)
 def _set_triangle(
-    mesh: _Tables,
-    triangle: int,
-    face: int,
-    corners: tuple[
-        tuple[int, float, float, int], tuple[int, float, float, int], tuple[int, float, float, int]
-    ],
+    mesh: _Tables, triangle: int, face: int, corners: tuple[_Corner, _Corner, _Corner]
 ) -> None:
-    """Each corner as `_corner` tells it."""
     mesh.faces[triangle] = face
     for k in range(3):
         mesh.triangles[triangle, k], u, v, mesh.sides[triangle, k] = corners[k]
@@ -151,10 +169,10 @@ def _set_triangle(
 
 
 @compiled(INTERNAL)
-def _hand_over(mesh: _Tables, edge: int, giver: int, taker: int) -> None:
+def _replace_owner(mesh: _Tables, edge: int, old: int, new: int) -> None:
     for k in range(2 if edge >= 0 else 0):
-        if mesh.owners[edge, k] == giver:
-            mesh.owners[edge, k] = taker
+        if mesh.owners[edge, k] == old:
+            mesh.owners[edge, k] = new
 
 
 @compiled(INTERNAL)
@@ -171,87 +189,63 @@ def _insert(
         before = parent if k == 1 else triangle + (k + 1) % 3
         first, first_u, first_v, side = _corner(mesh, parent, k)
         last, last_u, last_v, _ = _corner(mesh, parent, after)
-        _set_edge(mesh, edge + k, node, first, face, -1, u, v, first_u, first_v)
+        _set_edge(mesh, edge + k, (node, first), face, -1, (u, v, first_u, first_v))
         corners = (
             (node, u, v, edge + k),
             (first, first_u, first_v, side),
             (last, last_u, last_v, edge + after),
         )
         _set_triangle(mesh, child, face, corners)
-        _hand_over(mesh, side, parent, child)
+        _replace_owner(mesh, side, parent, child)
         mesh.owners[edge + k, 0], mesh.owners[edge + k, 1] = before, child
 
 
 @compiled(INTERNAL)
-def _set_node(
-    mesh: _Tables, node: int, heap: ConstFloatArray, place: int, u: float, v: float
-) -> None:
-    point, _, _ = surface_at(heap, place, u, v)
+def _set_node(mesh: _Tables, node: int, face: int, u: float, v: float) -> None:
+    point, _, _ = surface_at(mesh.coefficients, mesh.surfaces[face], u, v)
     mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = point
 
 
 @compiled(ALLOCATING)
-def _look(
-    waiting: list[tuple[float, int, float]],
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
-    mesh: _Tables,
-    edge: int,
-) -> None:
-    """Have an edge split if it is not monotone."""
-    place = surfaces[mesh.edge_faces[edge]]
-    share, rise = turning_point(heap, place, mesh.edge_curves[edge], mesh.edge_spans[edge])
+def _enqueue(waiting: list[tuple[float, int, float]], mesh: _Tables, edge: int) -> None:
+    """Enter an edge into the queue of edges to be split, if it is not monotone."""
+    surface = mesh.surfaces[mesh.edge_faces[edge]]
+    share, rise = turning_point(
+        mesh.coefficients, surface, mesh.edge_curves[edge], mesh.edge_spans[edge]
+    )
     if rise > 0:
         heappush(waiting, (-rise, edge, share))
 
 
 @compiled(INTERNAL)
-def _cut_edge(
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
-    mesh: _Tables,
-    edge: int,
-    share: float,
-    node: int,
-    rest: int,
-) -> None:
-    """Cut an edge at a share of its way, where `node` is to be; `rest` becomes what follows."""
+def _cut_edge(mesh: _Tables, split: _Split) -> None:
+    """Place a split's node, and divide its edge there."""
+    edge, share, node, _, rest = split
     face, curve, last = mesh.edge_faces[edge], mesh.edge_curves[edge], mesh.edge_nodes[edge, 1]
     a, b = mesh.edge_spans[edge, 0], mesh.edge_spans[edge, 1]
     c, d = mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3]
     if curve >= 0:
         at = a + share * (b - a)
-        x, y, z, _, _, _ = curve_at(heap, curve, at)
+        x, y, z, _, _, _ = curve_at(mesh.coefficients, curve, at)
         mesh.nodes[node, 0], mesh.nodes[node, 1], mesh.nodes[node, 2] = x, y, z
         mesh.edge_spans[edge, 1] = at
-        _set_edge(mesh, rest, node, last, face, curve, at, b, 0.0, 0.0)
+        _set_edge(mesh, rest, (node, last), face, curve, (at, b, 0.0, 0.0))
     else:
         u, v = a + share * (c - a), b + share * (d - b)
-        _set_node(mesh, node, heap, surfaces[face], u, v)
+        _set_node(mesh, node, face, u, v)
         mesh.edge_spans[edge, 2], mesh.edge_spans[edge, 3] = u, v
-        _set_edge(mesh, rest, node, last, face, curve, u, v, c, d)
+        _set_edge(mesh, rest, (node, last), face, curve, (u, v, c, d))
     mesh.edge_nodes[edge, 1] = node
 
 
 @compiled(INTERNAL)
-def _bisect(
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
-    mesh: _Tables,
-    triangle: int,
-    edge: int,
-    rest: int,
-    node: int,
-    first: int,
-    share: float,
-    beyond: int,
-    middle: int,
-) -> bool:
-    """Cut a triangle from the new node on its side `edge` to the opposite corner.
+def _bisect(mesh: _Tables, split: _Split, triangle: int, beyond: int, middle: int) -> bool:
+    """Cut a triangle from a split's node to the opposite corner; `middle` is the new edge.
 
-    The part along `rest` becomes `beyond` if the triangle goes along the edge as the edge does,
-    which is returned, else the part along `edge` does.
+    `beyond` is the new triangle. It takes the part along `rest` if the triangle passes the edge in
+    the edge's own direction, which is returned, else the part along `edge`.
     """
+    edge, share, node, first, rest = split
     face = mesh.faces[triangle]
     k = 0
     while k < 2 and mesh.sides[triangle, k] != edge:
@@ -264,59 +258,68 @@ def _bisect(
     portion = share if forward else 1 - share
     u, v = a_u + portion * (b_u - a_u), a_v + portion * (b_v - a_v)
     if mesh.edge_curves[edge] >= 0:
-        u, v = project(heap, surfaces[face], mesh.nodes[node], u, v)
-    _set_edge(mesh, middle, node, c, face, -1, u, v, c_u, c_v)
+        u, v = project(mesh.coefficients, mesh.surfaces[face], mesh.nodes[node], u, v)
+    _set_edge(mesh, middle, (node, c), face, -1, (u, v, c_u, c_v))
     near, far = (edge, rest) if forward else (rest, edge)
     corners = (a, a_u, a_v, near), (node, u, v, middle), (c, c_u, c_v, side_ca)
     _set_triangle(mesh, triangle, face, corners)
     corners = (node, u, v, far), (b, b_u, b_v, side_bc), (c, c_u, c_v, middle)
     _set_triangle(mesh, beyond, face, corners)
     mesh.owners[middle, 0], mesh.owners[middle, 1] = triangle, beyond
-    _hand_over(mesh, side_bc, triangle, beyond)
+    _replace_owner(mesh, side_bc, triangle, beyond)
     return forward
+
+
+@compiled(INTERNAL)
+def _piece_at(
+    mesh: _Tables, seed: int, u: float, v: float, pieces: ConstIntArray, known: int, stop: int
+) -> int:
+    """The piece of a seed's triangle, which may have been divided, that (u, v) lies deepest in.
+
+    Triangles known … stop are pieces of the triangles `pieces`.
+    """
+    found, deepest = seed, depth(mesh.corners[seed], u, v)
+    for piece in range(known, stop):
+        if pieces[piece - known] == seed:
+            inside = depth(mesh.corners[piece], u, v)
+            if inside > deepest:
+                found, deepest = piece, inside
+    return found
 
 
 @compiled(ENTRY)
 def _refine(
-    heap: ConstFloatArray,
-    surfaces: ConstIntArray,
     mesh: _Tables,
-    node: int,
-    triangle_count: int,
-    edge_count: int,
+    counts: Counts,
     room: int,
     seeds: ConstIntArray,
     parameters: ConstFloatRows,
     turning: ConstIntArray,
     turns: ConstFloatRows,
 ) -> int:
-    """Insert the seeds and split edges as long as one turns, in `_Tables` with room for more rows.
+    """Insert nodes at parameters (k, 2) in triangles `seeds` (k,), then split edges until all are
+    monotone, beginning with `turning` (m,), which turn as `turning_points` says (m, 2).
 
-    `node`, `triangle_count` and `edge_count` say how many rows they have. Returns how often
-    something was divided, −1 where there is too little room.
+    `counts` are the rows in use, and there is room for `room` splits. Returns the number of
+    splits, −1 where there is too little room.
     """
     waiting = [(0.0, 0, 0.0)]
     waiting.pop()
-    known, first_edge, first_node = triangle_count, edge_count, node
-    seed_of = np.empty(2 * len(seeds), np.int64)
-    for seed in range(len(seeds)):
+    first_node, first_triangle, first_edge = counts
+    node, triangle_count, edge_count = counts
+    pieces = np.empty(2 * len(seeds), np.int64)
+    for k in range(len(seeds)):
         if node - first_node == room:
             return -1
-        u, v = parameters[seed, 0], parameters[seed, 1]
-        # The triangle may have been divided already: the piece that the node lies in.
-        parent, deepest = seeds[seed], depth(mesh.corners[seeds[seed]], u, v)
-        for piece in range(known, triangle_count):
-            if seed_of[piece - known] == seeds[seed]:
-                inside = depth(mesh.corners[piece], u, v)
-                if inside > deepest:
-                    parent, deepest = piece, inside
-        for piece in range(triangle_count - known, triangle_count - known + 2):
-            seed_of[piece] = seeds[seed]
+        u, v = parameters[k, 0], parameters[k, 1]
+        parent = _piece_at(mesh, seeds[k], u, v, pieces, first_triangle, triangle_count)
+        for piece in range(triangle_count, triangle_count + 2):
+            pieces[piece - first_triangle] = seeds[k]
         _insert(mesh, parent, u, v, node, triangle_count, edge_count)
-        _set_node(mesh, node, heap, surfaces[mesh.faces[parent]], u, v)
+        _set_node(mesh, node, mesh.faces[parent], u, v)
         node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
     for edge in range(first_edge, edge_count):
-        _look(waiting, heap, surfaces, mesh, edge)
+        _enqueue(waiting, mesh, edge)
     for k in range(len(turning)):
         heappush(waiting, (-turns[k, 1], turning[k], turns[k, 0]))
     while len(waiting):
@@ -324,18 +327,16 @@ def _refine(
             return -1
         # The highest turn first: a crest is traced from edge to edge before what lies beside it.
         _, edge, share = heappop(waiting)
-        first, rest = mesh.edge_nodes[edge, 0], edge_count
-        _cut_edge(heap, surfaces, mesh, edge, share, node, rest)
+        split = _Split(edge, share, node, mesh.edge_nodes[edge, 0], edge_count)
+        _cut_edge(mesh, split)
         beside = (mesh.owners[edge, 0], mesh.owners[edge, 1])
         for k in range(2):
-            beyond, middle = triangle_count + k, rest + 1 + k
-            forward = _bisect(
-                heap, surfaces, mesh, beside[k], edge, rest, node, first, share, beyond, middle
-            )
+            beyond = triangle_count + k
+            forward = _bisect(mesh, split, beside[k], beyond, split.rest + 1 + k)
             mesh.owners[edge, k] = beside[k] if forward else beyond
-            mesh.owners[rest, k] = beyond if forward else beside[k]
-        _look(waiting, heap, surfaces, mesh, edge)
+            mesh.owners[split.rest, k] = beyond if forward else beside[k]
+        _enqueue(waiting, mesh, edge)
         node, triangle_count, edge_count = node + 1, triangle_count + 2, edge_count + 3
-        for new in range(rest, edge_count):
-            _look(waiting, heap, surfaces, mesh, new)
+        for new in range(split.rest, edge_count):
+            _enqueue(waiting, mesh, new)
     return node - first_node

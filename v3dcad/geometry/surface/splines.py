@@ -1,7 +1,6 @@
 """B-spline basis functions and their slopes, for compiled code.
 
-Knots and poles lie in one array of numbers, the `heap`, at a given place: the evaluators of
-`curves` and `surfaces` read all of a part's geometry from one heap.
+Knots and poles lie in the `coefficients` of a part (see `curves`), at a given index.
 """
 
 from __future__ import annotations
@@ -12,26 +11,26 @@ from v3dcad.geometry.compiled.options import INTERNAL, compiled
 
 
 @compiled(INTERNAL)
-def span_of(heap: ConstFloatArray, knots: int, count: int, degree: int, t: float) -> int:
+def span_of(coefficients: ConstFloatArray, knots: int, count: int, degree: int, t: float) -> int:
     """The i with knot i ≤ t < knot i + 1, of a clamped knot vector of `count` knots at `knots`.
 
-    Before the first and beyond the last knot the end spans go on.
+    Before the first knot and beyond the last the end spans are taken.
     """
     low, high = degree, count - degree - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if t < heap[knots + middle]:
+        if t < coefficients[knots + middle]:
             high = middle
         else:
             low = middle
-    while low > degree and heap[knots + low] == heap[knots + low + 1]:
+    while low > degree and coefficients[knots + low] == coefficients[knots + low + 1]:
         low -= 1
     return low
 
 
 @compiled(INTERNAL)
 def basis(
-    heap: ConstFloatArray,
+    coefficients: ConstFloatArray,
     knots: int,
     span: int,
     degree: int,
@@ -47,8 +46,8 @@ def basis(
     for order in range(1, degree + 1):
         carried = 0.0
         for r in range(order):
-            right = heap[knots + span + r + 1]
-            left = heap[knots + span + r + 1 - order]
+            right = coefficients[knots + span + r + 1]
+            left = coefficients[knots + span + r + 1 - order]
             if order == degree:
                 share = degree * values[r] / (right - left)
                 slopes[r] -= share

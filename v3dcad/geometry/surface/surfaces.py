@@ -1,7 +1,7 @@
 """Points and tangents of the surfaces of a B-rep, for compiled code.
 
-A surface is a stretch of numbers in a `heap`, found by the place of its first, which says its
-kind. `frame` is origin, x, y and z axis, 12 numbers:
+A surface is known by the index of its first coefficient (see `curves`), which is its kind. `frame`
+is origin, x, y and z axis, 12 numbers:
 
 | kind | numbers after it |
 |---|---|
@@ -11,9 +11,9 @@ kind. `frame` is origin, x, y and z axis, 12 numbers:
 | SPHERE | frame, radius |
 | TORUS | frame, major radius, minor radius |
 | SPLINE_SURFACE | two times (degree, number of knots, 1 if periodic), u knots, v knots, poles |
-| EXTRUSION | direction (3), then the place of the curve |
-| REVOLUTION | frame with the axis as z, then the place of the curve |
-| OFFSET | distance, then the place of the surface |
+| EXTRUSION | direction (3), then the index of the curve |
+| REVOLUTION | frame with the axis as z, then the index of the curve |
+| OFFSET | distance, then the index of the surface |
 """
 
 from __future__ import annotations
@@ -49,40 +49,54 @@ Derivatives = tuple[Vector, Vector, Vector]
 
 
 @compiled(INTERNAL)
-def _profile_at(heap: ConstFloatArray, place: int, v: float) -> tuple[float, float, float, float]:
+def _profile_at(
+    coefficients: ConstFloatArray, surface: int, v: float
+) -> tuple[float, float, float, float]:
     """The line or circle that makes a cylinder, cone, sphere or torus when turned about z: its
     reach from z, its rise along z, and their slopes.
     """
-    kind, radius = int(heap[place]), heap[place + 13]
+    kind, radius = int(coefficients[surface]), coefficients[surface + 13]
     if kind == CYLINDER:
         return radius, v, 0.0, 1.0
     if kind == CONE:
-        sine, cosine = heap[place + 14], heap[place + 15]
+        sine, cosine = coefficients[surface + 14], coefficients[surface + 15]
         return radius + v * sine, v * cosine, sine, cosine
     if kind == SPHERE:
         reach, rise = radius * np.cos(v), radius * np.sin(v)
         return reach, rise, -rise, reach
-    small = heap[place + 14]
+    small = coefficients[surface + 14]
     along, rise = small * np.cos(v), small * np.sin(v)
     return radius + along, rise, -rise, along
 
 
 @compiled(INTERNAL)
-def _spline_surface_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
-    u_degree, u_count = int(heap[place + 1]), int(heap[place + 2])
-    v_degree, v_count = int(heap[place + 4]), int(heap[place + 5])
-    u_knots = place + 7
+def _spline_surface_at(
+    coefficients: ConstFloatArray, surface: int, u: float, v: float
+) -> Derivatives:
+    u_degree, u_count = int(coefficients[surface + 1]), int(coefficients[surface + 2])
+    v_degree, v_count = int(coefficients[surface + 4]), int(coefficients[surface + 5])
+    u_knots = surface + 7
     v_knots = u_knots + u_count
     poles = v_knots + v_count
     columns = v_count - v_degree - 1
-    u = wrapped(u, heap[u_knots + u_degree], heap[v_knots - 1 - u_degree], heap[place + 3] > 0)
-    v = wrapped(v, heap[v_knots + v_degree], heap[poles - 1 - v_degree], heap[place + 6] > 0)
-    u_span = span_of(heap, u_knots, u_count, u_degree, u)
-    v_span = span_of(heap, v_knots, v_count, v_degree, v)
+    u = wrapped(
+        u,
+        coefficients[u_knots + u_degree],
+        coefficients[v_knots - 1 - u_degree],
+        coefficients[surface + 3] > 0,
+    )
+    v = wrapped(
+        v,
+        coefficients[v_knots + v_degree],
+        coefficients[poles - 1 - v_degree],
+        coefficients[surface + 6] > 0,
+    )
+    u_span = span_of(coefficients, u_knots, u_count, u_degree, u)
+    v_span = span_of(coefficients, v_knots, v_count, v_degree, v)
     u_values, u_slopes = stack_array(), stack_array()
     v_values, v_slopes = stack_array(), stack_array()
-    basis(heap, u_knots, u_span, u_degree, u, u_values, u_slopes)
-    basis(heap, v_knots, v_span, v_degree, v, v_values, v_slopes)
+    basis(coefficients, u_knots, u_span, u_degree, u, u_values, u_slopes)
+    basis(coefficients, v_knots, v_span, v_degree, v, v_values, v_slopes)
     x = y = z = w = u_x = u_y = u_z = u_w = v_x = v_y = v_z = v_w = 0.0
     for i in range(u_degree + 1):
         row = poles + 4 * ((u_span - u_degree + i) * columns + v_span - v_degree)
@@ -91,7 +105,12 @@ def _spline_surface_at(heap: ConstFloatArray, place: int, u: float, v: float) ->
             u_slope = u_slopes[i] * v_values[j]
             v_slope = u_values[i] * v_slopes[j]
             pole = row + 4 * j
-            a, b, c, weight = heap[pole], heap[pole + 1], heap[pole + 2], heap[pole + 3]
+            a, b, c, weight = (
+                coefficients[pole],
+                coefficients[pole + 1],
+                coefficients[pole + 2],
+                coefficients[pole + 3],
+            )
             x, y, z, w = x + value * a, y + value * b, z + value * c, w + value * weight
             u_x, u_y, u_z = u_x + u_slope * a, u_y + u_slope * b, u_z + u_slope * c
             v_x, v_y, v_z = v_x + v_slope * a, v_y + v_slope * b, v_z + v_slope * c
@@ -105,8 +124,8 @@ def _spline_surface_at(heap: ConstFloatArray, place: int, u: float, v: float) ->
 
 
 @compiled(INTERNAL)
-def _vector(heap: ConstFloatArray, place: int) -> Vector:
-    return heap[place], heap[place + 1], heap[place + 2]
+def _vector(coefficients: ConstFloatArray, at: int) -> Vector:
+    return coefficients[at], coefficients[at + 1], coefficients[at + 2]
 
 
 @compiled(INTERNAL)
@@ -125,21 +144,21 @@ def _dot(p: Vector, q: Vector) -> float:
 
 
 @linked(INTERNAL)
-def _plain_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
-    kind = int(heap[place])
+def _plain_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Derivatives:
+    kind = int(coefficients[surface])
     if kind == SPLINE_SURFACE:
-        return _spline_surface_at(heap, place, u, v)
+        return _spline_surface_at(coefficients, surface, u, v)
     if kind == EXTRUSION:
-        x, y, z, dx, dy, dz = curve_at(heap, int(heap[place + 4]), u)
-        direction = _vector(heap, place + 1)
+        x, y, z, dx, dy, dz = curve_at(coefficients, int(coefficients[surface + 4]), u)
+        direction = _vector(coefficients, surface + 1)
         return _plus((x, y, z), v, direction), (dx, dy, dz), direction
-    origin, x_axis = _vector(heap, place + 1), _vector(heap, place + 4)
-    y_axis, z_axis = _vector(heap, place + 7), _vector(heap, place + 10)
+    origin, x_axis = _vector(coefficients, surface + 1), _vector(coefficients, surface + 4)
+    y_axis, z_axis = _vector(coefficients, surface + 7), _vector(coefficients, surface + 10)
     if kind == PLANE:
         return _plus(_plus(origin, u, x_axis), v, y_axis), x_axis, y_axis
     cosine, sine = np.cos(u), np.sin(u)
     if kind == REVOLUTION:
-        x, y, z, dx, dy, dz = curve_at(heap, int(heap[place + 13]), v)
+        x, y, z, dx, dy, dz = curve_at(coefficients, int(coefficients[surface + 13]), v)
         arm, slope = _plus((x, y, z), -1.0, origin), (dx, dy, dz)
         x, y, z = _dot(arm, x_axis), _dot(arm, y_axis), _dot(arm, z_axis)
         dx, dy, dz = _dot(slope, x_axis), _dot(slope, y_axis), _dot(slope, z_axis)
@@ -150,7 +169,7 @@ def _plain_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivati
             _plus(_times(a, y_axis), -b, x_axis),
             _plus(_plus(_times(da, x_axis), db, y_axis), dz, z_axis),
         )
-    reach, rise, d_reach, d_rise = _profile_at(heap, place, v)
+    reach, rise, d_reach, d_rise = _profile_at(coefficients, surface, v)
     outward = _plus(_times(cosine, x_axis), sine, y_axis)
     along = _plus(_times(cosine, y_axis), -sine, x_axis)
     return (
@@ -161,10 +180,10 @@ def _plain_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivati
 
 
 @compiled(INTERNAL)
-def _offset_point(heap: ConstFloatArray, place: int, u: float, v: float) -> Vector:
-    point, a, b = _plain_at(heap, int(heap[place + 2]), u, v)
+def _offset_point(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Vector:
+    point, a, b = _plain_at(coefficients, int(coefficients[surface + 2]), u, v)
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    return _plus(point, heap[place + 1] / np.sqrt(x * x + y * y + z * z), (x, y, z))
+    return _plus(point, coefficients[surface + 1] / np.sqrt(x * x + y * y + z * z), (x, y, z))
 
 
 @compiled(INTERNAL)
@@ -173,51 +192,78 @@ def _difference(p: Vector, q: Vector, step: float) -> Vector:
 
 
 @compiled(INTERNAL)
-def _offset_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
+def _offset_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Derivatives:
     """The point is exact; the tangents, which only steer Newton steps, are differences."""
     step = 1e-6
-    right, left = _offset_point(heap, place, u + step, v), _offset_point(heap, place, u - step, v)
-    above, below = _offset_point(heap, place, u, v + step), _offset_point(heap, place, u, v - step)
+    right, left = (
+        _offset_point(coefficients, surface, u + step, v),
+        _offset_point(coefficients, surface, u - step, v),
+    )
+    above, below = (
+        _offset_point(coefficients, surface, u, v + step),
+        _offset_point(coefficients, surface, u, v - step),
+    )
     return (
-        _offset_point(heap, place, u, v),
+        _offset_point(coefficients, surface, u, v),
         _difference(right, left, 2 * step),
         _difference(above, below, 2 * step),
     )
 
 
 @linked(ENTRY)
-def surface_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Derivatives:
+def surface_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Derivatives:
     """Point and tangents of a surface at (u, v), three vectors: S, ∂S/∂u, ∂S/∂v."""
-    if int(heap[place]) == OFFSET:
-        return _offset_at(heap, place, u, v)
-    return _plain_at(heap, place, u, v)
+    if int(coefficients[surface]) == OFFSET:
+        return _offset_at(coefficients, surface, u, v)
+    return _plain_at(coefficients, surface, u, v)
 
 
 @linked(INTERNAL)
-def height_at(heap: ConstFloatArray, place: int, u: float, v: float) -> Vector:
+def height_at(coefficients: ConstFloatArray, surface: int, u: float, v: float) -> Vector:
     """z, ∂z/∂u and ∂z/∂v of `surface_at`, in half the time where that is short."""
-    kind = int(heap[place])
+    kind = int(coefficients[surface])
     if kind < CYLINDER or kind > TORUS:
-        point, along_u, along_v = surface_at(heap, place, u, v)
+        point, along_u, along_v = surface_at(coefficients, surface, u, v)
         return point[2], along_u[2], along_v[2]
-    reach, rise, d_reach, d_rise = _profile_at(heap, place, v)
+    reach, rise, d_reach, d_rise = _profile_at(coefficients, surface, v)
     cosine, sine = np.cos(u), np.sin(u)
-    x_z, y_z, z_z = heap[place + 6], heap[place + 9], heap[place + 12]
+    x_z, y_z, z_z = coefficients[surface + 6], coefficients[surface + 9], coefficients[surface + 12]
     outward = cosine * x_z + sine * y_z
     return (
-        heap[place + 3] + reach * outward + rise * z_z,
+        coefficients[surface + 3] + reach * outward + rise * z_z,
         reach * (cosine * y_z - sine * x_z),
         d_reach * outward + d_rise * z_z,
     )
 
 
+@compiled(INTERNAL)
+def step_to_line(
+    point: Derivatives, rise: float, off: float, x: float, y: float
+) -> tuple[bool, float, float]:
+    """Newton's step in u and v from a point of a surface to where its level curve meets a line.
+
+    The point is `rise` above the level and `off` the line, a distance times the length of the
+    line's normal (x, y). False where there is no such step.
+    """
+    u_off = point[1][0] * x + point[1][1] * y
+    v_off = point[2][0] * x + point[2][1] * y
+    determinant = point[1][2] * v_off - point[2][2] * u_off
+    if determinant == 0.0:
+        return False, 0.0, 0.0
+    return (
+        True,
+        (rise * v_off - point[2][2] * off) / determinant,
+        (point[1][2] * off - u_off * rise) / determinant,
+    )
+
+
 @compiled(ENTRY)
 def surface_points(
-    heap: ConstFloatArray, places: ConstIntArray, parameters: FloatRows
+    coefficients: ConstFloatArray, surfaces: ConstIntArray, parameters: FloatRows
 ) -> FloatRows:
-    """Points (k, 3) of surfaces (k,) at parameters (k, 2)."""
-    points = np.empty((len(places), 3))
-    for k in range(len(places)):
-        point, _, _ = surface_at(heap, places[k], parameters[k, 0], parameters[k, 1])
+    """Points (k, 3), mm, of surfaces (k,) at parameters (k, 2)."""
+    points = np.empty((len(surfaces), 3))
+    for k in range(len(surfaces)):
+        point, _, _ = surface_at(coefficients, surfaces[k], parameters[k, 0], parameters[k, 1])
         points[k, 0], points[k, 1], points[k, 2] = point
     return points

@@ -10,13 +10,13 @@ from v3dcad.geometry.compiled.arrays import ConstFloatArray, ConstFloatRows, Flo
 from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
 from v3dcad.geometry.surface.mesh import SurfaceMesh, project
-from v3dcad.geometry.surface.surfaces import surface_at
-from v3dcad.model import Floats, Layer, Run, Section
+from v3dcad.geometry.surface.surfaces import step_to_line, surface_at
+from v3dcad.model import CurveRun, Floats, Layer, Section
 
-STARTS = 6
-"""Places that Newton's method is started from."""
+MAX_STARTS = 6
+"""Points that Newton's method is started from."""
 
-REACH = 0.1
+MAX_END_SHIFT = 0.1
 """mm; an end that would have to go farther stays: its wall runs along the surface."""
 
 
@@ -24,7 +24,7 @@ def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
     """The layer with the ends of walls on its curved contours moved along them to the surface.
 
     `mesh` is the one that the layer's section was made from. Only runs of points need it: lines
-    are exact, and circles and ellipses say where they are. The moved ends become points of the
+    are exact, and circles and ellipses are known exactly. The moved ends become points of the
     rings, so that curves laid through these pass through the ends.
     """
     diagram, z = layer.diagram, layer.z
@@ -44,7 +44,7 @@ def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
         ways = points[ids] - diagram.vertices[[behind[end] for end in ids]]
         corners = mesh.faces == face
         points[ids] = _on_surface(
-            mesh.heap,
+            mesh.coefficients,
             mesh.surfaces[face],
             mesh.nodes[mesh.triangles[corners]].reshape(-1, 3),
             mesh.corners[corners].reshape(-1, 2),
@@ -61,13 +61,13 @@ def exact_ends(layer: Layer, mesh: SurfaceMesh) -> Layer:
     return replace(layer, section=section, diagram=replace(diagram, vertices=points))
 
 
-def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, list[Run]]:
+def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, list[CurveRun]]:
     """A contour as a ring of points (k, 2) that begins where a run does, and its runs."""
     turns = (k for k in range(len(contour)) if contour[k].run != contour[k - 1].run)
     first = next(turns, 0)
     ids: list[int] = []
-    runs: list[Run] = []
-    before: Run | None = None
+    runs: list[CurveRun] = []
+    before: CurveRun | None = None
     for chain, run in contour[first:] + contour[:first]:
         start = runs.pop().start if run == before else len(ids)
         ids += chain[:-1]
@@ -78,31 +78,32 @@ def _ring(number: int, contour: list[Stretch], points: Floats) -> tuple[Floats, 
 
 @compiled(INTERNAL)
 def _solved(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     height: float,
     end: ConstFloatArray,
     way: ConstFloatArray,
     u: float,
     v: float,
 ) -> tuple[float, float, float, float, bool]:
-    """Newton's method on z(u, v) = height and (x, y) on the line: u, v, x, y, whether it did."""
+    """Newton's method on z(u, v) = height and (x, y) on the line.
+
+    Returns u, v, x, y, and whether it converged.
+    """
     length = np.hypot(way[0], way[1])
     across_x, across_y = -way[1] / length, way[0] / length
     for _ in range(20):
-        s = surface_at(heap, place, u, v)
+        s = surface_at(coefficients, surface, u, v)
         rise = s[0][2] - height
         aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
         if max(abs(rise), abs(aside)) < 1e-12:
             break
-        u_aside = s[1][0] * across_x + s[1][1] * across_y
-        v_aside = s[2][0] * across_x + s[2][1] * across_y
-        determinant = s[1][2] * v_aside - s[2][2] * u_aside
-        if determinant == 0.0:
+        solvable, u_step, v_step = step_to_line(s, rise, aside, across_x, across_y)
+        if not solvable:
             break
-        u -= (rise * v_aside - s[2][2] * aside) / determinant
-        v -= (s[1][2] * aside - u_aside * rise) / determinant
-    s = surface_at(heap, place, u, v)
+        u -= u_step
+        v -= v_step
+    s = surface_at(coefficients, surface, u, v)
     aside = (s[0][0] - end[0]) * across_x + (s[0][1] - end[1]) * across_y
     settled = abs(s[0][2] - height) < 1e-9 and abs(aside) < 1e-9
     return u, v, s[0][0], s[0][1], settled
@@ -110,8 +111,8 @@ def _solved(
 
 @compiled(ENTRY)
 def _on_surface(
-    heap: ConstFloatArray,
-    place: int,
+    coefficients: ConstFloatArray,
+    surface: int,
     nodes: ConstFloatRows,
     corners: ConstFloatRows,
     height: float,
@@ -121,7 +122,7 @@ def _on_surface(
     """Ends (k, 2) moved along lines (k, 2) to where z(u, v) = height, by Newton's method.
 
     It starts from the nearest of the face's mesh corners (their points and parameters), and from
-    the next ones where that leads off the face: along a seam corners lie on both of its sides.
+    the next ones where the result is off the face: along a seam corners lie on both of its sides.
     """
     moved = ends.copy()
     low_u = low_v = np.inf
@@ -130,30 +131,30 @@ def _on_surface(
         low_u, high_u = min(low_u, corners[corner, 0]), max(high_u, corners[corner, 0])
         low_v, high_v = min(low_v, corners[corner, 1]), max(high_v, corners[corner, 1])
     slack_u, slack_v = 1e-9 * (high_u - low_u), 1e-9 * (high_v - low_v)
-    gaps = np.empty(len(nodes))
+    distances = np.empty(len(nodes))
     point = np.empty(3)
     for k in range(len(ends)):
         point[0], point[1], point[2] = ends[k, 0], ends[k, 1], height
         for corner in range(len(nodes)):
-            gaps[corner] = 0.0
+            distances[corner] = 0.0
             for axis in range(3):
-                gaps[corner] += (nodes[corner, axis] - point[axis]) ** 2
-        for _ in range(STARTS):
+                distances[corner] += (nodes[corner, axis] - point[axis]) ** 2
+        for _ in range(MAX_STARTS):
             nearest = 0
             for corner in range(1, len(nodes)):
-                if gaps[corner] < gaps[nearest]:
+                if distances[corner] < distances[nearest]:
                     nearest = corner
             start_u, start_v = corners[nearest, 0], corners[nearest, 1]
-            u, v = project(heap, place, point, start_u, start_v)
-            u, v, x, y, settled = _solved(heap, place, height, ends[k], ways[k], u, v)
+            u, v = project(coefficients, surface, point, start_u, start_v)
+            u, v, x, y, settled = _solved(coefficients, surface, height, ends[k], ways[k], u, v)
             on_face = (
                 low_u - slack_u <= u <= high_u + slack_u
                 and low_v - slack_v <= v <= high_v + slack_v
             )
-            if settled and on_face and np.hypot(x - ends[k, 0], y - ends[k, 1]) < REACH:
+            if settled and on_face and np.hypot(x - ends[k, 0], y - ends[k, 1]) < MAX_END_SHIFT:
                 moved[k, 0], moved[k, 1] = x, y
                 break
             for corner in range(len(nodes)):  # not from here again
                 if corners[corner, 0] == start_u and corners[corner, 1] == start_v:
-                    gaps[corner] = np.inf
+                    distances[corner] = np.inf
     return moved

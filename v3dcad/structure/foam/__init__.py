@@ -6,8 +6,13 @@
     fire        one step downhill
     cluster     the walls that lean too much in one place, solved apart
     relaxing    sites moved until no wall leans too much
-    tile        the shipped sites, which repeat without end, and sites for a part made of them
+    tile        the shipped sites, which repeat without end
     make_tile   the program that made them: `python -m v3dcad.structure.foam.make_tile`
+    choice      which sites a part is filled with: what the settings say, or those that are given
+    uniform     the shipped sites in reach of a part
+    explicit    sites that a user gives
+    sites       the sites of a structure as whole numbers, and what they weigh on a layer
+    space       walls and struts in space, and the steepest wall
 
 Sites live in the stretched space: heights divided by the stretch s, so that the metric is the plain
 distance. A wall between two sites leans from the vertical by the angle with tangent s-fold less

@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from v3dcad.geometry.compiled.arrays import (
     BoolArray,
@@ -36,8 +35,6 @@ SMALLEST = 1e-7
 
 FLATTEST = 1e-5
 """In cubed radii: a corner where bisectors meet under a smaller determinant is left alone."""
-
-FLAGS = types.boolean[::1]
 
 
 class Foam(NamedTuple):

@@ -6,12 +6,9 @@ splitmix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generato
 from __future__ import annotations
 
 import numpy as np
-from numba import types
 
 from v3dcad.geometry.compiled.arrays import Word, WordArray
 from v3dcad.geometry.compiled.options import ENTRY, compiled
-
-STATE = types.uint64[::1]
 
 
 @compiled(ENTRY)

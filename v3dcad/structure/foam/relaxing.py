@@ -22,9 +22,6 @@ from v3dcad.structure.foam.energy import Foam
 NEIGHBOURS = 56
 """How many of the nearest sites are looked at: all within 2.6 radii."""
 
-MARGIN = 0.005
-"""How much less than τ relaxed walls lean."""
-
 TOGETHER = 300
 """Steps that all sites at bad walls take together at first, at each stage."""
 
@@ -33,6 +30,9 @@ APART = 200
 
 REACH = 3.0
 """In radii: how far from its first site a cluster is solved. What is farther is the next one's."""
+
+SMALLEST_BOX = 4.0
+"""In radii: in a smaller box sites are neighbours of their own copies."""
 
 STAGES = (2.0, 1.67, 1.5, 1.41, 1.35, 1.3, 1.25, 1.2, 1.15, 1.1)
 """The values of τ on the way down."""
@@ -77,6 +77,7 @@ def relax(
     tau: float,
     *,
     stages: tuple[float, ...] = STAGES,
+    margin: float = 0.005,
     slack: float = 0.0,
     random_seed: int = 0,
     effort: int = 20_000,
@@ -84,15 +85,18 @@ def relax(
 ) -> Floats:
     """Sites (n, 3) in a periodic box (3,) moved until no wall leans more than τ allows.
 
-    Sites keep a distance of about their radii (n,). Walls count that would be there with
-    bisectors `slack` squared radii looser, so that sites can still be rounded. `progress` gets the
-    stage's τ and how many sites are at bad walls. Deterministic; the result is to be certified
+    Sites keep a distance of about their radii (n,). Walls lean less than that by a share, the
+    margin; and walls count that would be there with bisectors `slack` squared radii looser: so that
+    sites can still be rounded. `progress` gets the stage's τ and how many sites are at bad walls.
+    Deterministic; the result is to be certified
     (`steepest_wall`). `GeometryError` where sites have been moved `effort` times on average at one
-    stage, and some walls still lean too much.
+    stage, and some walls still lean too much; and for a box that is too small to relax in.
     """
+    if (box < SMALLEST_BOX * radii.max()).any():
+        raise GeometryError(f"the periodic box is less than {SMALLEST_BOX:g} radii wide")
     foam, homes = foam_of(places, radii, box, random_seed)
     for stage in [*(stage for stage in stages if stage > tau), tau]:
-        lean, work = (1 + MARGIN) / stage, 0
+        lean, work = (1 + margin) / stage, 0
         for turn in count():
             check_all(foam, lean, slack)
             seeds = np.flatnonzero(foam.steep)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
+from v3dcad.geometry.graphs.spanning_tree import spanning_tree_of
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import Floats, Ints, Value
 from v3dcad.structure.sweep.sites import ALWAYS, SweptSites
@@ -100,3 +101,7 @@ class SlicedSites:
         """(p,) the sites between whose lowest and highest corner the layer lies."""
         low, high = self.foam.spans.T
         return np.flatnonzero((2 * low <= self.time) & (2 * high >= self.time))
+
+    def spanning_tree(self, pairs: Ints) -> Ints:
+        """The minimum spanning forest (k, 2) of pairs (m, 2), i < j, by distance in x and y."""
+        return spanning_tree_of(self.foam.places[:, :2], pairs)

@@ -91,7 +91,9 @@ class Pattern:
         """All sites (n, 3) in reach of the box low … high (3,), and the lowest and highest z (n, 2)
         of their cells, in the structure's steps.
 
-        That is within the margin on all sides. z is the stretched space's.
+        That is within the margin on all sides, so that all within the box is as it would be among
+        all sites. For cells that are whole beyond the box too, ask for a box larger by a margin.
+        z is the stretched space's.
         """
         low, high = self._reach(low, high)
         count = count_sites(self.sites, low, high)

@@ -17,7 +17,6 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.clipping.interior import empty_cut
 from v3dcad.geometry.clipping.planar_graph import Frame
 from v3dcad.geometry.clipping.ring_validity import winding_fault
-from v3dcad.geometry.graphs.dynamic_spanning_tree import empty_tree
 from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.geometry.power_diagram.kinetic_triangulation import motion_of
@@ -31,8 +30,8 @@ from v3dcad.structure.sweep.sites import SweptSites
 CROSSINGS = 64
 """Room for so many crossings of rings and edges at first."""
 
-Sliced = tuple[Diagram, Ints, float]
-"""A diagram, its minimum spanning tree (m, 2), and the section's area per cell, mm²."""
+Sliced = tuple[Diagram, float]
+"""A diagram, and the section's area for each of its cells, mm²."""
 
 
 class Sweep:
@@ -91,7 +90,7 @@ class Sweep:
             self.mesh.hidden.copy(),
             np.array([self.mesh.counts.hidden]),
         )
-        self._cut, self._tree = empty_cut(room, len(self.mesh.triangles)), empty_tree(room)
+        self._cut = empty_cut(room, len(self.mesh.triangles))
 
     def _usual_rows(self, rings: Rings) -> int:
         """For how many vertices a run should have room: a few more than on the last layer."""
@@ -106,7 +105,6 @@ class Sweep:
             self.motion,
             self._queue,
             self._cut,
-            self._tree,
             rings,
             times,
             walks(self._crossings, len(rings.starts), len(self.mesh.points)),
@@ -117,9 +115,9 @@ class Sweep:
 
 def _slices(made: Output, areas: list[float]) -> Iterator[Sliced]:
     """The slices of a run, as views of its arrays; `areas`, mm², are those of the sections."""
-    for array in (made.vertices, made.edges, made.sites, made.tree):
+    for array in (made.vertices, made.edges, made.sites):
         array.flags.writeable = False  # so that the values need no views of their own
-    cells, graphs, vertex_rows, edge_rows, pair_rows, tree_rows = made.rows.T.tolist()
+    cells, graphs, vertex_rows, edge_rows, pair_rows = made.rows.T.tolist()
     graph = -1
     for layer in range(int(made.outcome.layers)):
         if graphs[layer] != graph:
@@ -127,10 +125,9 @@ def _slices(made: Output, areas: list[float]) -> Iterator[Sliced]:
             row, end = edge_rows[graph], edge_rows[graph + 1]
             edges, edge_sites = made.edges[row:end], made.sites[row:end]
             neighbours = made.sites[row : pair_rows[graph]]
-            tree = made.tree[tree_rows[graph] : tree_rows[graph + 1]]
         vertices = made.vertices[vertex_rows[layer] : vertex_rows[layer + 1]]
         diagram = Diagram(vertices, edges, edge_sites, neighbours)
-        yield diagram, tree, areas[layer] / max(cells[layer], 1)
+        yield diagram, areas[layer] / max(cells[layer], 1)
 
 
 def _from(rings: Rings, layer: int, layers: int) -> Rings:

@@ -34,17 +34,16 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.compiled.records import Record
-from v3dcad.geometry.graphs.dynamic_spanning_tree import Tree, renew_tree, write_tree
 from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.event_queue import Motion
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, enter
 from v3dcad.geometry.power_diagram.triangle_mesh import Triangulation
 from v3dcad.structure.sweep.ring_arrays import Rings
 
-CELLS, GRAPH, VERTEX_ROW, EDGE_ROW, PAIR_ROW, TREE_ROW = range(6)
+CELLS, GRAPH, VERTEX_ROW, EDGE_ROW, PAIR_ROW = range(5)
 """Columns of a run's `rows`. Of a layer: how many cells it has; which graph is its own; where its
-vertices begin. Of a graph: where its edges begin, up to where they join each pair of neighbours
-once, and where its tree begins."""
+vertices begin. Of a graph: where its edges begin, and up to where they join each pair of neighbours
+once."""
 
 
 class Outcome(Record):
@@ -63,15 +62,13 @@ class Output(NamedTuple):
 
     outcome: Outcome
     rows: IntRows
-    """(layers + 1, 6)"""
+    """(layers + 1, 5)"""
     vertices: FloatRows
     """(v, 2) mm"""
     edges: IntRows
     """(e, 2)"""
     sites: IntRows
     """(e, 2)"""
-    tree: IntRows
-    """(k, 2)"""
 
 
 class Queue(NamedTuple):
@@ -107,11 +104,10 @@ def output(layers: int, vertices: int) -> Output:
     edges = vertices + vertices // 2
     return Output(
         outcome=Outcome.of(),
-        rows=np.zeros((layers + 1, 6), np.int64),
+        rows=np.zeros((layers + 1, 5), np.int64),
         vertices=np.empty((vertices, 2)),
         edges=np.empty((edges, 2), np.int64),
         sites=np.empty((edges, 2), np.int64),
-        tree=np.empty((vertices, 2), np.int64),
     )
 
 
@@ -178,7 +174,6 @@ def run(
     motion: Motion,
     queue: Queue,
     cut: Cut,
-    tree: Tree,
     rings: Rings,
     times: ConstIntArray,
     walks: Walks,
@@ -187,7 +182,7 @@ def run(
 ) -> None:
     """Make the layers at ascending whole `times` (layers,), as far as there is room.
 
-    `cut` and `tree` are those of the layer before; `frame` says where the grid lies.
+    `cut` is that of the layer before; `frame` says where the grid lies.
     """
     outcome, rows, vertices = made.outcome, made.rows, made.vertices
     edges = Edges(made.edges, made.sites)
@@ -232,12 +227,6 @@ def run(
             rows[graph, PAIR_ROW], rows[graph + 1, EDGE_ROW] = write_edges(
                 mesh, cut, layer_rings, walk, count, edges, row
             )
-            renew_tree(mesh, cut, tree)
-            row = rows[graph, TREE_ROW]
-            if row + live_cells > len(made.tree):
-                outcome.ending, outcome.room = Ending.OUTPUT_FULL, live_cells
-                break
-            rows[graph + 1, TREE_ROW] = write_tree(mesh, tree, made.tree, row)
             after_before, begun_before = after, begun_in
         row, room = rows[layer, VERTEX_ROW], cut.state.vertices + len(corners) + count
         if row + room > len(vertices):

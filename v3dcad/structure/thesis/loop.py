@@ -12,7 +12,7 @@ import numpy as np
 from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import Grid
-from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, PlaneSites, Section
+from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.checksum import thesis_checksum
 from v3dcad.structure.growth import growing, settled_offset
@@ -27,6 +27,7 @@ from v3dcad.structure.thesis.insert import inserted, shared_vertex
 from v3dcad.structure.thesis.inset import STEP, inset
 from v3dcad.structure.thesis.proximity import cells_on_boundary
 from v3dcad.structure.thesis.settle import settle
+from v3dcad.structure.thesis.sites import PlaneSites
 from v3dcad.structure.thesis.state import GROWS, STAYS, UNTOUCHED, State, initial_state
 from v3dcad.structure.thesis.tree import walked
 
@@ -51,6 +52,11 @@ class ThesisLayer(Layer):
     """(n,) POL: mm by which each cell is drawn in"""
     unanswered: bool
     """whether a site was to be inserted, but no cell qualified"""
+
+    @property
+    def tree(self) -> Ints:
+        """MST: of the cells before the inset."""
+        return self.state.spanning_tree(self.neighbours)
 
     @property
     def neighbours(self) -> Ints:
@@ -168,11 +174,6 @@ class ThesisFilling:
         assert self._told is not None
         return self._told
 
-    def tree_of(self, sites: Floats, diagram: Diagram) -> Ints:
-        """The minimum spanning tree (m, 2) of a diagram's neighbours, by the sites' distance."""
-        tree = spanning_tree(self.grid.snap(sites), np.array(diagram.neighbours))
-        return np.asarray(tree[np.lexsort(tree.T[::-1])])
-
     def climb(self) -> Iterator[ThesisLayer]:
         """The layers from the first to the last, one at a time (Algorithm 1).
 
@@ -222,16 +223,15 @@ class ThesisFilling:
     def _layer(self, index: int, state: State, diagram: Diagram) -> ThesisLayer:
         areas = diagram.areas(len(state.sites))
         cells = int(present(diagram, len(state.sites)).sum())
-        tree = self.tree_of(state.sites, diagram)
         speed = self.offset / self.settings.layer_height
+        growth = np.multiply(state.tags, speed, dtype=np.float64)
+        sites = PlaneSites(self.grid, state.sites, state.weights, growth)
+        tree = sites.spanning_tree(diagram.neighbours)
         return ThesisLayer(
             index=index,
             section=self.sections[index],
-            state=plane_sites(
-                state.sites, state.weights, np.multiply(state.tags, speed, dtype=np.float64)
-            ),
+            state=sites,
             diagram=diagram,
-            tree=tree,
             area_per_cell=float(areas.sum()) / max(cells, 1),
             diagram_before_inset=diagram,
             inserted=state.inserted(),
@@ -239,11 +239,6 @@ class ThesisFilling:
             inset_distance=np.where(state.inset_steps == UNTOUCHED, 0, state.inset_steps) * STEP,
             unanswered=False,
         )
-
-
-def plane_sites(sites: Floats, weights: Floats, growth: Floats) -> PlaneSites:
-    """The state of sites (n, 2), mm, of a layer that comes from the one below."""
-    return PlaneSites(np.column_stack([sites, np.zeros(len(sites))]), weights, growth)
 
 
 def thesis_filling(
