@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import minimum_spanning_tree
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, Voronoi
 
 THIN = 1e-10
 """A cell's part that is thinner behind its contour than this share of the section is none."""
@@ -65,6 +65,26 @@ def power_edges(count, corners, vertices, across):
     return pairs[inner], edges[inner]
 
 
+def slice_in_space(sites, stretch, z):
+    """Pairs (m, 2) of sites (n, 3) and edges (m, 2, 2): a plane cut through the bounded walls of
+    scipy's Voronoi diagram in the space that a stretch makes flatter.
+    """
+    diagram = Voronoi(sites / [1, 1, stretch])
+    pairs, edges = [], []
+    for pair, ridge in zip(diagram.ridge_points, diagram.ridge_vertices, strict=True):
+        if -1 in ridge:
+            continue
+        here = diagram.vertices[ridge]
+        there = np.roll(here, -1, axis=0)
+        crosses = (here[:, 2] <= z / stretch) != (there[:, 2] <= z / stretch)
+        if crosses.any():
+            here, there = here[crosses], there[crosses]
+            share = (z / stretch - here[:, 2]) / (there[:, 2] - here[:, 2])
+            edges.append((here + share[:, None] * (there - here))[:, :2])
+            pairs.append(np.sort(pair))
+    return np.array(pairs), np.array(edges)
+
+
 def power_cells(count, corners, vertices):
     """The cells of `count` sites in a whole power diagram, as shapely areas: of those that have
     one, in their order.
@@ -82,14 +102,6 @@ def power_cells(count, corners, vertices):
     order = np.lexsort([np.arctan2(way[:, 1], way[:, 0]), owner])
     number = np.unique(owner[order], return_inverse=True)[1]
     return shapely.polygons(shapely.linearrings(vertices[place[order]], indices=number))
-
-
-def holes(sites, weights, area):
-    """Triangles (h, 3) of sites whose cells meet inside an area, and their areas (h,)."""
-    corners, vertices, _ = power_diagram(sites, weights)
-    inside = (corners < len(sites)).all(axis=1) & shapely.contains_xy(area, vertices)
-    corners = corners[inside]
-    return corners, shapely.area(shapely.polygons(sites[corners]))
 
 
 def cut_edges(area, pairs, edges):
@@ -123,7 +135,7 @@ def layer(sites, weights, section):
     """What the engine makes of a layer, the slow way: neighbours, edges, tree, how many cells
     there are, and whose contour is which.
     """
-    area = area_of(section)
+    area, sites = area_of(section), sites[:, :2]
     shapely.prepare(area)
     corners, vertices, across = power_diagram(sites, weights)
     pairs, edges = power_edges(len(sites), corners, vertices, across)
@@ -133,8 +145,11 @@ def layer(sites, weights, section):
 
 
 def cells(sites, weights, section):
-    """Each site's part of the section, as shapely areas: half-planes against all other sites."""
-    area = area_of(section)
+    """Each site's part of the section, as shapely areas: half-planes against all other sites.
+
+    Sites may have a height besides x and y, which the weights stand for.
+    """
+    area, sites = area_of(section), sites[:, :2]
     low, high = np.reshape(shapely.bounds(area), (2, 2))
     reach = (high - low).max()
     frame = [low - reach, (high[0] + reach, low[1] - reach), high + reach]
@@ -147,7 +162,10 @@ def cells(sites, weights, section):
                 continue
             normal = sites[j] - sites[i]
             bound = (sites[j] @ sites[j] - sites[i] @ sites[i] - weights[j] + weights[i]) / 2
-            polygon = _half_plane(polygon, bound - polygon @ normal)
+            height = bound - polygon @ normal
+            if not normal.any() and bound == 0:  # one above the other: the first has the cell
+                height += j - i
+            polygon = _half_plane(polygon, height)
         # Rounding may leave corners an ulp apart, a spike that GEOS takes amiss; a hull has none.
         hull = shapely.convex_hull(shapely.multipoints(polygon))
         found.append(shapely.intersection(hull, area))

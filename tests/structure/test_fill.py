@@ -1,3 +1,7 @@
+"""Laws of a foam's layers, whatever its sites are: many that tie, few, stacked, far apart."""
+
+from __future__ import annotations
+
 import tracemalloc
 
 import numpy as np
@@ -7,18 +11,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests import oracle
-from v3dcad.errors import GeometryError
 from v3dcad.model import OUTSIDE, Section
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import fill_sections
-from v3dcad.structure.growth import PACE
-from v3dcad.structure.sites import scatter_sites
+from v3dcad.structure.foam import explicit
 
-SQUARE = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
-HOLE = np.array([[3.0, 3], [3, 6], [6.5, 6], [6, 3]])
-FAR = np.array([[12.0, 2], [14, 2], [14, 9], [12, 9]])
-NOTCHED = np.array([[0.0, 0], [10, 0], [10, 10], [5, 2], [0, 10]])
-TINY = np.array([[1.0, 1], [1.1, 1], [1, 1.1]])
+pytestmark = pytest.mark.slow
+
+SIDE = 16.0
+"""mm; a power of two, so that simple numbers lie on the engine's grid."""
+
+SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) * SIDE
+HOLE = np.array([[5.0, 5], [5, 9], [10, 9], [9, 5]])
+FAR = np.array([[19.0, 3], [22, 3], [22, 14], [19, 14]])
+NOTCHED = np.array([[0.0, 0], [16, 0], [16, 16], [8, 3], [0, 16]])
+TINY = np.array([[1.5, 1.5], [1.6, 1.5], [1.5, 1.6]])
 SECTIONS = {
     "square": (SQUARE,),
     "hole": (SQUARE, HOLE),
@@ -26,27 +33,37 @@ SECTIONS = {
     "notched": (NOTCHED,),
     "in one cell": (TINY,),
     "hole in one cell": (SQUARE, TINY[::-1]),
-    "island in hole": (SQUARE, HOLE, HOLE[::-1] * 0.5 + 2.3),
+    "island in hole": (SQUARE, HOLE, HOLE[::-1] * 0.5 + 3.6),
 }
+BOX = np.array([[0.0, 0], [SIDE, SIDE]])
 
 
 def stack(rings, layers=12, height=0.5):
     return [Section(height * k, rings) for k in range(layers)]
 
 
+def foam(sections, sites, box=None, **settings):
+    """A filling with given sites, whose walls may lean as they like."""
+    chosen = {"max_overhang": 90.0, "stretch": 1.0, "layer_height": 0.5, **settings}
+    return fill_sections(sections, sites, FillSettings(**chosen), box)
+
+
 @st.composite
 def site_sets(draw):
-    """Random, on a small grid (cocircular, on the rings' corners and sides), or collinear."""
-    kind = draw(st.sampled_from(["random", "grid", "line", "few"]))
+    """Random ones; on a small grid (one above the other, on one sphere, on the rings' corners);
+    on a line; in a plane; few.
+    """
+    kind = draw(st.sampled_from(["random", "grid", "line", "plane", "few"]))
     count = draw(st.integers(1, 3) if kind == "few" else st.integers(4, 40))
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    sites = rng.uniform([0, 0, -3], [SIDE, SIDE, 9], (count, 3))
     if kind == "grid":
-        sites = rng.integers(0, 11, (count, 2)).astype(float)
+        sites = rng.integers([0, 0, -1], [9, 9, 4], (count, 3)) * 2.0
     elif kind == "line":
-        sites = np.column_stack([rng.random(count) * 10, np.full(count, 5.0)])
-    else:
-        sites = rng.random((count, 2)) * 10
-    return np.unique(sites, axis=0)
+        sites[:, 1:] = 8.0, 2.0
+    elif kind == "plane":
+        sites[:, 2] = 3.0
+    return rng.permutation(np.unique(sites, axis=0))
 
 
 def laws(layer, tolerance=1e-9):
@@ -57,15 +74,18 @@ def laws(layer, tolerance=1e-9):
     areas = diagram.areas(len(state.sites))
     assert abs(areas.sum() - area.area) <= tolerance * area.area
     assert areas.min() >= -tolerance * area.area
-    found = oracle.cells(state.sites, state.weights, layer.section)
-    np.testing.assert_allclose(areas, shapely.area(found), atol=tolerance * size**2, rtol=0)
+    present, flat = state.present(), state.sites[:, :2]
+    assert np.isin(diagram.sites(), present).all()
+    found = oracle.cells(state.sites[present], state.weights[present], layer.section)
+    np.testing.assert_allclose(
+        areas[present], shapely.area(found), atol=tolerance * size**2, rtol=0
+    )
     i, j = diagram.edge_sites.T
     assert (i < j).all()
     inner = i != OUTSIDE
     ends = diagram.vertices[diagram.edges[inner]]
     power = [
-        ((ends - state.sites[k[inner]][:, None]) ** 2).sum(axis=2)
-        - state.weights[k[inner]][:, None]
+        ((ends - flat[k[inner]][:, None]) ** 2).sum(axis=2) - state.weights[k[inner]][:, None]
         for k in (i, j)
     ]
     np.testing.assert_allclose(power[0], power[1], atol=tolerance * size**2, rtol=0)
@@ -88,173 +108,143 @@ def ring_areas(diagram, count):
     return areas
 
 
-@given(site_sets(), st.sampled_from(sorted(SECTIONS)), st.sampled_from([0.0, 0.05, 1.0]))
-def test_layers_obey_the_laws(sites, name, offset):
-    sections = stack(SECTIONS[name])
-    filling = fill_sections(
-        sections, sites, FillSettings(max_overhang=90.0, offset=offset, layer_height=0.5)
-    )
-    for layer in list(filling.layers)[::5]:
-        laws(layer)
-
-
-def test_a_grid_whose_cells_meet_four_at_a_corner_obeys_the_laws():
-    """At layer 96 of this grid the oracle's half-planes leave corners an ulp apart."""
-    sites = (np.stack(np.meshgrid(*[np.arange(5)] * 2), axis=-1).reshape(-1, 2) - 2.0) * 8
-    filling = fill_sections(stack((SQUARE * 4 - 20,), 97, 0.2), sites, FillSettings())
-    for layer in filling.layers[0], filling.layers[-1]:
-        laws(layer)
-
-
-@given(site_sets(), st.sampled_from(sorted(SECTIONS)))
-def test_tree_is_a_minimum_spanning_tree_of_the_neighbours(sites, name):
-    filling = fill_sections(
-        stack(SECTIONS[name]), sites, FillSettings(max_overhang=90.0, offset=0.3, layer_height=0.5)
-    )
-    for layer in filling.layers:
-        ends = layer.state.sites[layer.tree]
-        theirs = oracle.spanning_tree(layer.state.sites, layer.diagram.neighbours)
-        assert len(layer.tree) == len(theirs)
-        ours = np.hypot(*(ends[:, 0] - ends[:, 1]).T).sum()
-        best = layer.state.sites[theirs]
-        assert ours == pytest.approx(np.hypot(*(best[:, 0] - best[:, 1]).T).sum(), rel=1e-12)
-
-
-def fingerprint(diagram, names=None):
-    """The diagram as a set of named inner edges, independent of all numbering."""
-    inner = diagram.inner()
-    pairs = diagram.edge_sites[inner]
-    pairs = pairs if names is None else np.sort(names[pairs], axis=1)
-    ends = diagram.vertices[diagram.edges[inner]]
-    middle, length = ends.mean(axis=1), diagram.lengths()[inner]
-    real = length > 1e-9
-    rows = np.column_stack([pairs, np.rint(middle * 1e7), np.rint(length * 1e7)])[real]
+def edges(diagram):
+    """The edges by their sites and ends (e, 6), however vertices and edges are numbered."""
+    rows = np.column_stack([diagram.edge_sites, diagram.vertices[diagram.edges].reshape(-1, 4)])
     return rows[np.lexsort(rows.T[::-1])]
 
 
-@given(site_sets(), st.sampled_from(sorted(SECTIONS)), st.integers(0, 10**6))
+def pairs(rows):
+    return set(map(tuple, np.sort(rows, axis=1).tolist()))
+
+
+def same(layer, other):
+    """The same layer, to the last bit."""
+    np.testing.assert_array_equal(edges(layer.diagram), edges(other.diagram))
+    assert pairs(layer.diagram.neighbours) == pairs(other.diagram.neighbours)
+    assert pairs(layer.tree) == pairs(other.tree)
+    assert layer.area_per_cell == other.area_per_cell
+    np.testing.assert_array_equal(layer.state.weights, other.state.weights)
+
+
+def same_but_for_rounding(one, other, names=None):
+    """The same inner edges, but for those without length; `names` are the other's sites'."""
+    found = []
+    for diagram, named in ((one, None), (other, names)):
+        inner = diagram.inner() & (diagram.lengths() > 1e-7)
+        between = diagram.edge_sites[inner]
+        between = between if named is None else np.sort(named[between], axis=1)
+        middle = diagram.vertices[diagram.edges[inner]].mean(axis=1)
+        rows = np.column_stack([between, middle, diagram.lengths()[inner]])
+        found.append(rows[np.lexsort([*np.rint(middle * 1e4).T, between[:, 1], between[:, 0]])])
+    np.testing.assert_allclose(*found, atol=1e-8)
+
+
+@pytest.fixture(params=[1000, 0], ids=["always there", "by reach"])
+def few(request, monkeypatch):
+    """Sites that are always in the mesh, or only while their cells may be."""
+    monkeypatch.setattr(explicit, "FEW", request.param)
+
+
+WHERE = st.sampled_from(sorted(SECTIONS))
+FEW = st.sampled_from([0, 1000])
+
+
+def with_few(few, *given, **settings):
+    """`foam` where at most so many sites are always in the mesh."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(explicit, "FEW", few)
+        return foam(*given, **settings)
+
+
+@given(site_sets(), WHERE, st.sampled_from([1.0, 2.0, 7.3]), FEW)
+def test_layers_obey_the_laws(sites, name, stretch, few):
+    for layer in list(with_few(few, stack(SECTIONS[name]), sites, stretch=stretch).layers)[::5]:
+        laws(layer)
+
+
+@given(site_sets(), WHERE)
+def test_tree_is_a_minimum_spanning_tree_of_the_neighbours(sites, name):
+    for layer in foam(stack(SECTIONS[name]), sites).layers:
+        flat = layer.state.sites[:, :2]
+        ends = flat[layer.tree]
+        theirs = oracle.spanning_tree(flat, layer.diagram.neighbours)
+        assert len(layer.tree) == len(theirs)
+        ours = np.hypot(*(ends[:, 0] - ends[:, 1]).T).sum()
+        best = flat[theirs]
+        assert ours == pytest.approx(np.hypot(*(best[:, 0] - best[:, 1]).T).sum(), rel=1e-12)
+
+
+@given(site_sets(), WHERE, st.integers(0, 10**6))
 def test_order_of_the_sites_does_not_matter(sites, name, seed):
+    """On no layer does a cell of the grid open, or lie on a wall: whose that is, the order says."""
     names = np.random.default_rng(seed).permutation(len(sites))
-    settings = FillSettings(max_overhang=90.0, offset=0.0, layer_height=0.5)
-    one = fill_sections(stack(SECTIONS[name], 1), sites, settings)
-    other = fill_sections(stack(SECTIONS[name], 1), sites[names], settings)
-    a, b = fingerprint(one.layers[0].diagram), fingerprint(other.layers[0].diagram, names)
-    np.testing.assert_array_equal(a, b)
+    sections = [Section(0.13 + 0.47 * k, SECTIONS[name]) for k in range(12)]
+    one, other = foam(sections, sites), foam(sections, sites[names])
+    for layer, permuted in zip(list(one.layers)[::4], list(other.layers)[::4], strict=True):
+        same_but_for_rounding(layer.diagram, permuted.diagram, names)
+        assert layer.area_per_cell == pytest.approx(permuted.area_per_cell)
 
 
-@given(site_sets(), st.sampled_from(["square", "hole", "notched"]))
-def test_a_layer_by_itself_is_the_layer_on_the_way_up(sites, name):
-    filling = fill_sections(
-        stack(SECTIONS[name], 30),
-        sites,
-        FillSettings(max_overhang=90.0, offset=0.4, layer_height=0.5),
-    )
-    for layer in list(filling.layers)[::7]:
-        alone = filling.layers[layer.index]
-        a, b = fingerprint(layer.diagram), fingerprint(alone.diagram)
-        assert len(a) == len(b)
-        np.testing.assert_allclose(a, b, atol=2)  # 2e-7 mm: the rounding of the fingerprint
-        assert alone.area_per_cell == pytest.approx(layer.area_per_cell)
+@given(site_sets(), WHERE, FEW)
+def test_a_layer_by_itself_is_the_layer_on_the_way_up(sites, name, few):
+    filling = with_few(few, stack(SECTIONS[name], 30), sites)
+    for layer in list(filling.layers)[::4]:
+        same(layer, filling.layers[layer.index])
+
+
+@given(site_sets(), WHERE)
+def test_which_sites_are_in_the_mesh_does_not_show(sites, name):
+    """Those whose cells cannot be near are as good as there."""
+    always, by_reach = (with_few(few, stack(SECTIONS[name], 30), sites) for few in (1000, 0))
+    for layer, other in zip(always.layers, by_reach.layers, strict=True):
+        np.testing.assert_array_equal(*(edges(each.diagram)[:, :2] for each in (layer, other)))
+        same_but_for_rounding(layer.diagram, other.diagram)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_many_sites_come_and_go(seed):
+    """Some enter before their cells open, and are hidden by others that enter after them."""
+    low, high = np.array([-3.0, -3, -3]), np.array([SIDE + 3, SIDE + 3, 63])
+    sites = np.random.default_rng(seed).uniform(low, high, (1500, 3))
+    filling = foam(stack((SQUARE,), 120), sites)
+    assert filling._block < 60 / filling.foam.step
+    for layer in filling.layers:
+        if layer.index % 3 == 1:
+            same(layer, filling.layers[layer.index])
+        if layer.index % 50 == 13:
+            laws(layer)
 
 
 @given(site_sets(), st.sampled_from(["square", "hole"]), st.sampled_from([1e-6, 1e-3, 1e6]))
 def test_scale_does_not_matter(sites, name, scale):
-    one = fill_sections(
-        stack(SECTIONS[name], 4),
-        sites,
-        FillSettings(max_overhang=90.0, offset=0.4, layer_height=0.5),
-    )
+    one = foam(stack(SECTIONS[name], 4), sites)
     rings = tuple(ring * scale for ring in SECTIONS[name])
-    settings = FillSettings(max_overhang=90.0, offset=0.4 * scale**2, layer_height=0.5 * scale)
-    other = fill_sections(stack(rings, 4, 0.5 * scale), sites * scale, settings)
+    other = foam(stack(rings, 4, 0.5 * scale), sites * scale, layer_height=0.5 * scale)
     for a, b in zip(one.layers, other.layers, strict=True):
-        n = len(a.state.sites)
+        count = len(a.state.sites)
         np.testing.assert_allclose(
-            a.diagram.areas(n), b.diagram.areas(n) / scale**2, atol=1e-4
+            a.diagram.areas(count), b.diagram.areas(count) / scale**2, atol=1e-4
         )  # grid steps round differently by one
 
 
-def test_births_start_empty_and_grow_without_a_jump():
-    sites = scatter_sites(np.array([[0.0, 0], [10, 10]]), 60, 3)
-    settings = FillSettings(offset=0.02, layer_height=0.1)
-    filling = fill_sections(stack((SQUARE,), 200, 0.1), sites, settings)
-    layers = list(filling.layers)
-    births = filling.births
-    assert len(births) > 5
-    areas = np.zeros((len(layers), 60 + len(births)))
-    for layer in layers:
-        state = layer.state
-        areas[layer.index, : len(state.sites)] = layer.diagram.areas(len(state.sites))
-    for layer, site in births:
-        assert layers[layer].state.born_at[site] == pytest.approx(layers[layer].z)
-        assert len(layers[layer - 1].state.sites) <= site < len(layers[layer].state.sites)
-        assert abs(areas[layer, site]) < 1e-9 * 100 / 60
-    # They grow as the square of the weight gained: next to nothing at first.
-    for layer, site in births[births[:, 0] < 199]:
-        assert areas[layer + 1, site] < 0.01 * 100 / 60
-        assert np.abs(np.diff(areas[layer:, site])).max() < 0.1 * 100 / 60
-    # Cells are convex in space: the dead never return.
-    alive = areas > 1e-9
-    for site in range(areas.shape[1]):
-        was = np.nonzero(alive[:, site])[0]
-        assert len(was) == 0 or len(was) == was[-1] - was[0] + 1
-    without = fill_sections(
-        stack((SQUARE,), 200, 0.1),
-        sites,
-        FillSettings(max_overhang=90.0, offset=0.02, layer_height=0.1, insertion=False),
-    )
-    assert not len(without.births)
-    assert layers[-1].area_per_cell < list(without.layers)[-1].area_per_cell
+@given(site_sets(), st.floats(0, 5.5), st.integers(0, 10**6))
+def test_points_of_a_cell_are_found_in_it(sites, z, seed):
+    """`sites_at` asks for the nearest site in the stretched space: so do the layers."""
+    filling = foam(stack((SQUARE,)), sites, stretch=1.5)
+    cells = filling.at(z).cells()
+    points = np.random.default_rng(seed).uniform(0, SIDE, (20, 2))
+    found = filling.sites_at(np.column_stack([points, np.full(20, z)]))
+    for point, site in zip(points, found.tolist(), strict=True):
+        away = [
+            shapely.distance(shapely.Polygon(ring), shapely.Point(point)) for ring in cells[site]
+        ]
+        assert min(away) < 1e-6
 
 
-@pytest.mark.parametrize("insertion", [True, False])
-def test_facets_sliced_are_the_layers_edges(insertion):
-    sites = np.random.default_rng(5).random((50, 2)) * 10
-    settings = FillSettings(max_overhang=90.0, offset=0.05, layer_height=0.1, insertion=insertion)
-    filling = fill_sections(stack((SQUARE,), 60, 0.1), sites, settings)
-    walls = filling.walls
-    heights = [*(layer.z for layer in list(filling.layers)[1:-1:9]), 0.123, 3.3456789]
-    for z in heights:
-        which, segments = walls.slice(z)
-        diagram = filling.at(z)
-        inner = diagram.inner() & (diagram.lengths() > 1e-9)
-        assert np.hypot(*(segments[:, 0] - segments[:, 1]).T).sum() == pytest.approx(
-            diagram.lengths()[inner].sum(), rel=1e-9
-        )
-        edges = {
-            tuple(pair): ends
-            for pair, ends in zip(
-                diagram.edge_sites[inner], diagram.vertices[diagram.edges[inner]], strict=True
-            )
-        }
-        for facet, segment in zip(which, segments, strict=True):
-            if np.hypot(*(segment[1] - segment[0])) < 1e-8:
-                continue
-            ends = edges[tuple(walls.sites[facet])]
-            apart = min(np.abs(segment - ends).max(), np.abs(segment - ends[::-1]).max())
-            assert apart < 1e-8
-    growth = filling.history.sites.by_site().growth * 0.5 / PACE
-    places = filling.grid.millimetres(filling.history.sites.by_site().places)
-    for f in range(0, len(walls.tilts), 7):
-        corners = walls.points[walls.starts[f] : walls.starts[f + 1]]
-        i, j = walls.sites[f]
-        normal = np.array([*(places[j] - places[i]), (growth[j] - growth[i]) / 2])
-        flat = (corners - corners[0]) @ (normal / np.linalg.norm(normal))
-        assert np.abs(flat).max() < 1e-8
-        assert np.tan(np.radians(walls.tilts[f])) == pytest.approx(
-            abs(normal[2]) / np.hypot(*normal[:2]), rel=1e-9
-        )
-    axes = filling.strut_axes
-    assert len(axes.sites)
-    assert (axes.ends[:, 1, 2] > axes.ends[:, 0, 2]).all()
-    assert (axes.ends[:, :, :2] > -1e-9).all()
-    assert (axes.ends[:, :, :2] < 10 + 1e-9).all()
-
-
-def test_layers_can_be_iterated_again_and_do_not_depend_on_chunks(monkeypatch):
-    sites = np.random.default_rng(5).random((30, 2)) * 10
-    settings = FillSettings(max_overhang=90.0, offset=0.2, layer_height=0.5)
-    filling = fill_sections(stack((SQUARE,), 40), sites, settings)
+def test_layers_can_be_iterated_again_and_do_not_depend_on_chunks(few, monkeypatch):
+    sites = np.random.default_rng(5).uniform([0, 0, -3], [SIDE, SIDE, 23], (60, 3))
+    filling = foam(stack((SQUARE,), 40), sites)
     first = list(filling.layers)
     assert len(filling.layers) == 40
     monkeypatch.setattr("v3dcad.structure.fill.AT_ONCE", 3)
@@ -266,94 +256,36 @@ def test_layers_can_be_iterated_again_and_do_not_depend_on_chunks(monkeypatch):
 
 def test_how_arrays_lie_in_memory_does_not_matter():
     """`np.array([xs, ys]).T` lies column by column."""
-    sites = np.random.default_rng(1).random((9, 2)) * 10
+    sites = np.random.default_rng(1).random((9, 3)) * 10
     found = []
     for order in "CF":
         sections = stack((np.array(SQUARE, order=order), np.array(HOLE, order=order)), 3)
         sections.append(Section(2.0, (np.array(SQUARE, order=order),)))
-        filling = fill_sections(sections, np.array(sites, order=order), FillSettings())
-        found.append([fingerprint(layer.diagram) for layer in filling.layers])
+        filling = foam(sections, np.array(sites, order=order))
+        found.append([edges(layer.diagram) for layer in filling.layers])
     for rows, columns in zip(*found, strict=True):
         np.testing.assert_array_equal(rows, columns)
-
-
-def test_duplicates_are_merged_with_a_warning():
-    sites = np.array([[1.0, 1], [2, 2], [1, 1], [2, 2], [8, 3]])
-    with pytest.warns(UserWarning, match="2 of 5 sites"):
-        filling = fill_sections(stack((SQUARE,)), sites, FillSettings())
-    assert len(filling.sites) == 3
-
-
-@pytest.mark.parametrize(("site", "words"), [((np.nan, 1.0), "finite"), ((np.inf, 1.0), "finite")])
-def test_faulty_sites_are_named(site, words):
-    with pytest.raises(GeometryError, match=words) as caught:
-        fill_sections(stack((SQUARE,)), np.array([[1.0, 1], site]), FillSettings())
-    assert caught.value.site == 1
-
-
-@pytest.mark.parametrize(
-    "ring",
-    [
-        np.array([[0.0, 0], [10, 10], [10, 0], [0, 9]]),
-        SQUARE[::-1],
-        np.array([[np.nan, 0], [10, 0], [10, 10]]),
-    ],
-)
-@pytest.mark.parametrize("method", ["continuous", "thesis"])
-def test_faulty_sections_are_named(ring, method):
-    sections = stack((SQUARE,), 6)
-    sections[4] = Section(2.0, (ring,))
-    with pytest.raises(GeometryError, match="layer 4"):
-        list(fill_sections(sections, np.ones((1, 2)), FillSettings(method=method)).layers)
-
-
-def test_settings_that_cannot_be():
-    with pytest.raises(GeometryError, match="at least one"):
-        fill_sections(stack((SQUARE,)), np.empty((0, 2)), FillSettings())
-    with pytest.raises(GeometryError, match="safe range"):
-        list(
-            fill_sections(
-                stack((SQUARE,)),
-                np.array([[1.0, 1], [2, 2]]),
-                FillSettings(offset=1e6, max_overhang=90.0),
-            ).layers
-        )
 
 
 def test_an_empty_section_is_an_empty_layer():
     sections = stack((SQUARE,), 6)
     sections[3] = Section(1.5, ())
-    layers = list(fill_sections(sections, np.array([[1.0, 1], [2, 2]]), FillSettings()).layers)
+    layers = list(foam(sections, np.array([[1.0, 1, 0], [2, 2, 1]])).layers)
     assert len(layers[3].diagram.edges) == 0
     assert len(layers[4].diagram.edges) > 0
-
-
-def test_births_on_a_part_that_stands_on_a_point():
-    """An empty first layer is no measure: each site's share of the base rectangle is."""
-    rings = [SQUARE * share + 5 * (1 - share) for share in np.linspace(0.1, 1, 40)]
-    sections = [Section(0.0, ()), *(Section(0.2 * k + 0.2, (r,)) for k, r in enumerate(rings))]
-    sites = scatter_sites(np.array([[0.0, 0], [10, 10]]), 40, 1)
-    filling = fill_sections(sections, sites, FillSettings())
-    layers = list(filling.layers)
-    assert layers[0].area_per_cell == 0
-    assert len(filling.births) > 5
-    share = 100 / 40
-    births = np.bincount(filling.births[:, 0], minlength=len(layers))
-    assert all(layer.area_per_cell > share * 0.5 for layer in layers if births[layer.index])
+    assert layers[3].area_per_cell == 0
 
 
 @pytest.mark.parametrize("name", sorted(SECTIONS))
 def test_layers_are_what_qhull_and_geos_make_of_them(name):
     """The slow side of benchmarks/engine.py does the engine's work."""
-    sites = np.random.default_rng(4).uniform(0, 10, (60, 2))
-    # Newborns' cells are too small for qhull to see.
-    settings = FillSettings(offset=0.3, max_overhang=90.0, layer_height=0.5, insertion=False)
-    for layer in list(fill_sections(stack(SECTIONS[name], 12), sites, settings).layers)[::3]:
-        pairs, _, tree, count, contours = oracle.layer(
+    sites = np.random.default_rng(4).uniform(0, [SIDE, SIDE, 6], (60, 3))
+    for layer in list(foam(stack(SECTIONS[name], 12), sites).layers)[::3]:
+        between, _, tree, count, contours = oracle.layer(
             layer.state.sites, layer.state.weights, layer.section
         )
-        assert sorted(map(tuple, pairs)) == sorted(map(tuple, layer.diagram.neighbours))
-        assert sorted(map(tuple, tree)) == sorted(map(tuple, layer.tree))
+        assert pairs(between) == pairs(layer.diagram.neighbours)
+        assert pairs(tree) == pairs(layer.tree)
         assert count == len(layer.diagram.sites())
         area = oracle.area_of(layer.section).area
         assert layer.area_per_cell == pytest.approx(area / count)
@@ -363,7 +295,7 @@ def test_layers_are_what_qhull_and_geos_make_of_them(name):
 
 
 def test_some_layers_at_once() -> None:
-    layers = fill_sections(stack((SQUARE,), 7), SQUARE * 0.5 + 2, FillSettings()).layers
+    layers = foam(stack((SQUARE,), 7), SQUARE * 0.5 + 2).layers
     assert [layer.index for layer in layers[1:6:2]] == [1, 3, 5]
     assert [layer.index for layer in layers[::-3]] == [6, 3, 0]
     assert layers[-1].z == layers[6].z == 3.0
@@ -371,22 +303,28 @@ def test_some_layers_at_once() -> None:
         layers[7]
 
 
+def most_at_once(layers: int, height: float, size: float) -> int:
+    """The bytes that going through layers up to a height takes, beside those of the first."""
+    sections = [Section(k * height / layers, (SQUARE,)) for k in range(layers)]
+    chosen = FillSettings(layer_height=height / layers, cell_size=size)
+    filling = fill_sections(sections, None, chosen)
+    way_up = iter(filling.layers)
+    next(way_up)
+    tracemalloc.start()
+    try:
+        assert sum(1 for _ in way_up) == layers - 1
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
 def test_memory_does_not_grow_with_the_number_of_layers() -> None:
-    sites = np.random.default_rng(1).random((150, 2)) * 10
-
-    def most_at_once(count: int) -> int:
-        """The bytes that going through so many layers takes, at the same growth in all."""
-        settings = FillSettings(layer_height=6 / count, offset=3 / count, max_overhang=90.0)
-        filling = fill_sections(stack((SQUARE,), count, 6 / count), sites, settings)
-        layers = iter(filling.layers)
-        next(layers)
-        tracemalloc.start()
-        try:
-            assert sum(1 for _ in layers) == count - 1
-            return tracemalloc.get_traced_memory()[1]
-        finally:
-            tracemalloc.stop()
-
-    few, many = most_at_once(600), most_at_once(4800)
+    few, many = most_at_once(600, 8.0, 1.3), most_at_once(4800, 8.0, 1.3)
     assert 1e6 < few < 3e7
     assert many < 1.3 * few, "eight times as many"
+
+
+def test_nor_does_it_with_the_height() -> None:
+    """But for some bytes a site in the lists of all."""
+    low, tall = most_at_once(300, 30.0, 1.3), most_at_once(2400, 240.0, 1.3)
+    assert tall < 1.3 * low + 200 * 8 * 240 * SIDE**2 / 1.3**3

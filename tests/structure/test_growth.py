@@ -1,13 +1,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
-from scipy.spatial.distance import pdist, squareform
 
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
-from v3dcad.structure.growth import growing
+from v3dcad.structure.growth import growing, largest_offset
 
 
 def test_tree_worked_by_hand() -> None:
@@ -31,18 +31,20 @@ def test_every_piece_has_its_own_root() -> None:
     assert growing(5, tree).tolist() == [False, False, False, True, True]
 
 
-@given(st.integers(4, 60), st.integers(0, 10_000))
-def test_delaunay_edges_hold_the_tree_of_all_pairs(count: int, seed: int) -> None:
-    """The Euclidean minimum spanning tree, found by Prim over all pairs, has the same length."""
-    sites = np.random.default_rng(seed).integers(0, 1 << 24, (count, 2))
-    sides = Delaunay(sites).simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    tree = spanning_tree(sites, np.unique(np.sort(sides, axis=1), axis=0).astype(np.int64))
-    distances = squareform(pdist(sites))
-    reach, total, left = distances[0].copy(), 0.0, set(range(1, count))
-    while left:
-        nearest = min(left, key=lambda site: reach[site])
-        total += reach[nearest]
-        left.remove(nearest)
-        reach = np.minimum(reach, distances[nearest])
-    assert len(tree) == count - 1
-    assert np.isclose(distances[tree[:, 0], tree[:, 1]].sum(), total, rtol=1e-12)
+@given(st.integers(6, 40), st.integers(0, 1000), st.floats(20, 80))
+def test_the_largest_offset_is_the_largest(count: int, seed: int, limit: float) -> None:
+    """With it no wall leans more than the limit; the wall that limits it leans just so."""
+    random = np.random.default_rng(seed)
+    sites, grows = random.uniform(-20, 20, (count, 2)), np.arange(count) % 2 == 1
+    offset = largest_offset(sites, grows, 0.2, limit)
+    i, j = Delaunay(sites).simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).T
+    mixed = grows[i] != grows[j]
+    apart = np.hypot(*(sites[i] - sites[j])[mixed].T)
+    tilts = np.degrees(np.arctan(offset / (2 * apart * 0.2)))
+    assert tilts.max() == pytest.approx(limit)
+
+
+def test_ninety_degrees_or_one_kind_of_site_set_no_limit() -> None:
+    sites = np.array([[0.0, 0], [1, 0]])
+    assert largest_offset(sites, np.array([True, False]), 0.2, 90) == np.inf
+    assert largest_offset(sites, np.array([False, False]), 0.2, 45) == np.inf

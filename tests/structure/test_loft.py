@@ -115,26 +115,7 @@ def test_cells_whose_neighbours_change_are_refused() -> None:
     """Four quarters of a square; then the same with two of them exchanged."""
     sites = np.array([[-9.0, -9], [9, -9], [9, 9], [-9, 9]])
     section = cube(0.0)
-    one = fill_sections([section], sites, FillSettings(offset=0)).layers[0]
-    other = fill_sections([section], sites[[0, 2, 1, 3]], FillSettings(offset=0)).layers[0]
+    one = fill_sections([section], sites, FillSettings()).layers[0]
+    other = fill_sections([section], sites[[0, 2, 1, 3]], FillSettings()).layers[0]
     with pytest.raises(GeometryError, match="whose neighbours change"):
         matching_vertices(one.diagram, other.diagram)
-
-
-def test_continuous_layers_are_the_exact_loft() -> None:
-    """Any height alone gives what it gives among the others, whatever the topology does."""
-    sites = np.random.default_rng(5).uniform(-25, 25, (40, 2))
-    sections = [cube(0.2 * k) for k in range(60)]
-    settings = FillSettings(offset=2.0, max_overhang=90, interpolate=True)
-    filling = fill_sections(sections, sites, settings)
-    layers = list(filling.layers)
-    topologies: set[frozenset[tuple[int, ...]]] = set()
-    for index in (0, 20, 59):
-        alone = filling.at(sections[index].z, sections[index])
-        among = layers[index].diagram
-        order = matching_vertices(alone, among)
-        pairs = [set(map(tuple, one.neighbours.tolist())) for one in (alone, among)]
-        assert pairs[0] == pairs[1]
-        assert alone.vertices == pytest.approx(among.vertices[order], abs=1e-9)
-        topologies.add(frozenset(pairs[0]))
-    assert len(topologies) == 3

@@ -12,11 +12,10 @@ SQUARE = np.array([[0.0, 0], [20, 0], [20, 10], [0, 10]])
 HOLE = np.array([[3.0, 3], [3, 6], [7, 6], [7, 3]])
 
 
-def stack(rings, sites, layers=5, offset=0.0):  # type: ignore[no-untyped-def]
+def stack(rings, sites, layers=5):  # type: ignore[no-untyped-def]
+    """Layers of columns."""
     sections = [Section(0.5 * k, rings) for k in range(layers)]
-    return fill_sections(
-        sections, np.array(sites), FillSettings(offset=offset, layer_height=0.5)
-    ).layers
+    return fill_sections(sections, np.array(sites), FillSettings(layer_height=0.5)).layers
 
 
 def test_a_box_of_two_cells_in_closed_form() -> None:

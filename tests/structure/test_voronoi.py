@@ -1,4 +1,4 @@
-"""Layer 0 is an ordinary Voronoi diagram; weights grow from there."""
+"""Columns are an ordinary Voronoi diagram; what sites of a foam weigh."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ WITH_ALL = (SQUARE, HOLE, ISLAND)
 
 
 def test_equal_weights_give_voronoi() -> None:
-    """Inner vertices of layer 0 are scipy's Voronoi vertices that lie in the section."""
+    """Inner vertices are scipy's Voronoi vertices that lie in the section."""
     sites = np.random.default_rng(3).uniform(-20, 20, (80, 2))
     layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings()).layers[0]
-    voronoi = Voronoi(layer.state.sites).vertices
+    voronoi = Voronoi(layer.state.sites[:, :2]).vertices
     expected = voronoi[(np.abs(voronoi) < 20).all(axis=1)]
     degree = np.bincount(layer.diagram.edges.ravel())
     on_contour = np.zeros(len(degree), dtype=bool)
@@ -40,20 +40,16 @@ def test_one_site_owns_the_whole_section() -> None:
     assert layer.area_per_cell == pytest.approx(area_of(layer.section).area)
 
 
-def test_weights_are_zero_at_the_base_and_grow_with_height() -> None:
-    sites = np.random.default_rng(1).uniform(-20, 20, (30, 2))
-    sections = [Section(0.2 * k, (SQUARE,)) for k in range(4)]
-    settings = FillSettings(offset=0.3, layer_height=0.2, insertion=False)
-    layers = fill_sections(sections, sites, settings).layers
-    assert not layers[0].state.weights.any()
+def test_weights_are_squared_distances_in_height() -> None:
+    """So that a site's power is its squared distance in the stretched space."""
+    sites = np.random.default_rng(1).uniform([-20, -20, -5], [20, 20, 5], (30, 3))
+    sections = [Section(0.2 * k, (SQUARE,)) for k in range(9)]
+    settings = FillSettings(stretch=1.6, max_overhang=90.0, layer_height=0.2)
+    layers = list(fill_sections(sections, sites, settings).layers)
     for layer in layers:
-        expected = np.where(layer.state.growth > 0, 0.3 * layer.index, 0.0)
-        assert layer.state.weights == pytest.approx(expected)
-
-
-def test_of_two_sites_joined_by_the_tree_one_grows() -> None:
-    sites = np.random.default_rng(2).uniform(-20, 20, (50, 2))
-    layer = fill_sections([Section(0.0, (SQUARE,))], sites, FillSettings()).layers[0]
-    assert len(layer.tree) == 49
-    grows = layer.state.growth > 0
-    assert (grows[layer.tree[:, 0]] != grows[layer.tree[:, 1]]).all()
+        expected = -(((layer.z - layer.state.sites[:, 2]) / 1.6) ** 2)
+        assert layer.state.weights == pytest.approx(expected, abs=1e-4)
+    # Growth is the weights' but for what is common to all.
+    grown = layers[5].state.weights - layers[4].state.weights
+    growth = layers[4].state.growth * 0.2
+    assert grown - grown[0] == pytest.approx(growth - growth[0], abs=1e-4)

@@ -26,6 +26,9 @@ VERTICES_AT_ONCE = 1 << 16
 """about how many vertices: few enough to stay in the processor's cache and to be the same memory
 again and again, whatever the number of layers."""
 
+ROUNDING = 1e-9
+"""By which share a height may lie over the top."""
+
 
 def fill_sections(
     sections: Sequence[Section],
@@ -47,14 +50,15 @@ def fill_sections(
     refuse_rings(sections)
     if box is None:
         box = rings_box(sections)
+        if not np.isfinite(box).all():
+            raise GeometryError("no section has a ring: there is nothing to fill")
     elif not np.isfinite(box).all():
         raise GeometryError("the corners of the base rectangle are not finite numbers")
     if settings.method == "thesis":
         return thesis_filling(sections, sites, settings, box)
-    top = sections[-1].z if sections else 0.0
-    low, high = np.append(box[0], 0.0), np.append(box[1], top + settings.layer_height)
-    foam, settled = foam_for(low, high, sites, settings)
-    return Filling(sections, foam, settled, box)
+    top = (sections[-1].z if sections else 0.0) + settings.layer_height
+    foam, settled = foam_for(np.append(box[0], 0.0), np.append(box[1], top), sites, settings)
+    return Filling(sections, foam, settled, box, top)
 
 
 class Layers(LayerSequence):
@@ -78,11 +82,17 @@ class Filling:
     """Sections filled with the slices of one Voronoi diagram in space."""
 
     def __init__(
-        self, sections: Sequence[Section], foam: FoamSites, settings: FillSettings, box: Floats
+        self,
+        sections: Sequence[Section],
+        foam: FoamSites,
+        settings: FillSettings,
+        box: Floats,
+        top: float,
     ) -> None:
         """Fill sections (ascending in z) with the cells of a foam's sites.
 
-        `box` (2, 2), mm, are the corners of the part's base rectangle.
+        `box` (2, 2), mm, are the corners of the part's base rectangle; the foam's cells are known
+        over it from 0 to `top`, mm.
         """
         self.sections, self.foam, self.settings = sections, foam, settings
         self.grid = foam.grid
@@ -91,6 +101,7 @@ class Filling:
         self.sites = foam.millimetres()
         """(n, 3) mm: the sites, those around the part among them, as snapped to the grid"""
         self.sites.flags.writeable = False
+        self._top = top
         self._swept, self._block = foam.swept(), foam.block()
         self._heights = np.array([section.z for section in sections], np.float64)
 
@@ -144,9 +155,17 @@ class Filling:
         return self.foam.nearest(points)
 
     def slice(self, section: Section, index: int) -> Layer:
-        """The layer with a given index of any section at any height, computed by itself."""
+        """The layer with a given index of any section over the base rectangle, by itself.
+
+        Raises `GeometryError` for a height below the bed, or over a layer's above the last layer.
+        """
         if not math.isfinite(section.z):
             raise GeometryError("its height is not a finite number")
+        if not 0 <= section.z <= self._top * (1 + ROUNDING):
+            raise GeometryError(
+                f"z = {section.z:g} mm lies outside the foam: give a height from 0 to "
+                f"{self._top:g} mm"
+            )
         times = self.foam.times(np.array([section.z]))
         sweep = Sweep(self.grid, self._swept, times, self._block)
         return self._layer(index, section, next(sweep.run([section], 0)), int(times[0]))

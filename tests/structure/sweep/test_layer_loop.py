@@ -1,116 +1,129 @@
-"""Neither a triangulation built afresh on the way up nor a want of room can be seen afterwards."""
+"""Neither a triangulation built afresh on the way up, nor a want of room, nor the rows of the mesh
+can be seen afterwards.
+"""
+
+from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
 import pytest
 
-from v3dcad import FillSettings, Section, fill_sections
+from tests.structure.test_fill import SIDE, SQUARE, foam, same
 from v3dcad.geometry.power_diagram.ending import Ending
-from v3dcad.model import Floats, Layer
-from v3dcad.structure.sweep import kinetic_sweep as course
+from v3dcad.model import Floats, Ints, Section
+from v3dcad.structure.foam import explicit
+from v3dcad.structure.sweep import kinetic_sweep, sites
 from v3dcad.structure.sweep.layer_loop import run, walks
 
-SQUARE = np.array([[0.0, 0], [40, 0], [40, 40], [0, 40]])
-SITES = np.random.default_rng(3).random((40, 2)) * 40
+pytestmark = pytest.mark.slow
+
 JAMS = (7, 8, 30)
+TIMES, MADE = 5, 7
+"""Which of the arguments of the compiled loop these are."""
+
+SCATTERED = np.random.default_rng(3).uniform([-4, -4, -6], [SIDE + 4, SIDE + 4, 30], (160, 3))
+LATTICE = np.stack(np.meshgrid(*[np.arange(-4.0, 21, 4)] * 2, np.arange(-4.0, 33, 4)), -1)
+SITES = {"scattered": SCATTERED, "lattice": LATTICE.reshape(-1, 3)}
 
 
-LATTICE = np.stack(np.meshgrid(*[np.linspace(2, 38, 6)] * 2), axis=-1).reshape(-1, 2)
-"""Two holes between each four, of which only one may have a newborn."""
+@pytest.fixture(params=[0, 1000], ids=["by reach", "always there"], autouse=True)
+def few(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether sites enter and leave the mesh, or are always there."""
+    monkeypatch.setattr(explicit, "FEW", request.param)
 
 
-def filled(widening: float, insertion: bool, sites: Floats = SITES) -> Any:
+def filled(widening: float, where: Floats) -> Any:
     sections = [
-        Section(0.4 * k, (SQUARE * (1 + widening * k) - 20 * k * widening,)) for k in range(60)
+        Section(0.4 * k, (SQUARE * (1 + widening * k) - SIDE / 2 * k * widening,))
+        for k in range(60)
     ]
-    return fill_sections(
-        sections,
-        sites,
-        FillSettings(layer_height=0.4, offset=4.0, max_overhang=90.0, insertion=insertion),
-    )
+    return foam(sections, where, layer_height=0.4)
 
 
-def lines(layer: Layer) -> set[tuple[Any, ...]]:
-    """The layer's edges with their cells, however they are numbered."""
-    ends = np.round(layer.diagram.vertices[layer.diagram.edges], 7) + 0.0
-    return {
-        (*sorted(map(tuple, edge)), *cells)
-        for edge, cells in zip(
-            ends.tolist(), np.sort(layer.diagram.edge_sites).tolist(), strict=True
-        )
-    }
-
-
-@pytest.mark.parametrize(("widening", "insertion"), [(0.0, True), (0.01, True), (0.0, False)])
-def test_a_jam_does_not_show(
-    widening: float, insertion: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("name", sorted(SITES))
+@pytest.mark.parametrize("widening", [0.0, 0.01])
+def test_a_triangulation_built_afresh_does_not_show(
+    widening: float, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    expected = filled(widening, insertion)
-    layers, facets = list(expected.layers), expected.walls
-    assert (len(expected.births) > 3) == insertion
+    layers = list(filled(widening, SITES[name]).layers)
     jammed: list[int] = []
     made = 0
 
     def jamming(*given: Any) -> None:
-        """The compiled loop, which now and then says that it is jammed before a layer."""
+        """The compiled loop, which now and then says that no flip is possible before a layer."""
         nonlocal made
-        times, found = given[9], given[11]
+        times, found = given[TIMES], given[MADE]
         stops = [
             jam - made for jam in JAMS if jam not in jammed and made <= jam < made + len(times)
         ]
         some = min(stops, default=len(times))
-        run(*given[:9], times[:some], *given[10:])
+        run(*given[:TIMES], times[:some], *given[TIMES + 1 :])
         made += int(found.outcome.layers)
         if stops and found.outcome.ending == Ending.DONE:
             found.outcome.ending = Ending.NO_FLIP
             jammed.append(made)
 
-    monkeypatch.setattr(course, "run", jamming)
-    filling = filled(widening, insertion)
-    found = list(filling.layers)
+    monkeypatch.setattr(kinetic_sweep, "run", jamming)
+    found = list(filled(widening, SITES[name]).layers)
     assert jammed == list(JAMS)
     for before, after in zip(layers, found, strict=True):
-        assert lines(after) == lines(before)
-        assert after.area_per_cell == before.area_per_cell
-        tree = {tuple(sorted(pair)) for pair in after.tree.tolist()}
-        assert tree == {tuple(sorted(pair)) for pair in before.tree.tolist()}
-    np.testing.assert_array_equal(filling.births, expected.births)
-    # Struts and facets are cut in two where the jams are, and no more.
-    assert area(filling.walls) == pytest.approx(area(facets), rel=1e-9)
+        same(before, after)
 
 
-@pytest.mark.parametrize("sites", [SITES, LATTICE], ids=["scattered", "lattice"])
-@pytest.mark.parametrize(("widening", "insertion"), [(0.0, True), (0.01, True), (0.0, False)])
+@pytest.mark.parametrize("name", sorted(SITES))
+@pytest.mark.parametrize("widening", [0.0, 0.01])
 def test_a_want_of_room_does_not_show(
-    sites: Floats, widening: float, insertion: bool, monkeypatch: pytest.MonkeyPatch
+    widening: float, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    expected = filled(widening, insertion, sites)
-    layers = list(expected.layers)
+    layers = list(filled(widening, SITES[name]).layers)
     ended: list[int] = []
 
     def noting(*given: Any) -> None:
         run(*given)
-        ended.append(int(given[11].outcome.ending))
+        ended.append(int(given[MADE].outcome.ending))
 
-    monkeypatch.setattr(course, "run", noting)
-    monkeypatch.setattr(course, "walks", lambda crossings, *rest: walks(crossings // 64, *rest))
-    monkeypatch.setattr(course.Course, "_usual_rows", lambda *_: 1)
-    filling = filled(widening, insertion, sites)
-    for before, after in zip(layers, filling.layers, strict=True):
-        assert lines(after) == lines(before)
-        assert after.area_per_cell == before.area_per_cell
-        tree = {tuple(sorted(pair)) for pair in after.tree.tolist()}
-        assert tree == {tuple(sorted(pair)) for pair in before.tree.tolist()}
-    np.testing.assert_array_equal(filling.births, expected.births)
+    monkeypatch.setattr(kinetic_sweep, "run", noting)
+    monkeypatch.setattr(
+        kinetic_sweep, "walks", lambda crossings, *rest: walks(crossings // 64, *rest)
+    )
+    monkeypatch.setattr(kinetic_sweep.Sweep, "_usual_rows", lambda *_: 1)
+    for before, after in zip(layers, filled(widening, SITES[name]).layers, strict=True):
+        same(before, after)
     assert ended.count(Ending.CROSSINGS_FULL) >= 2
     assert ended.count(Ending.OUTPUT_FULL) > len(layers) / 2
 
 
-def area(walls: Any) -> float:
-    """Of all facets, by Newell's sum."""
-    total = 0.0
-    for start, stop in zip(walls.starts[:-1], walls.starts[1:], strict=True):
-        polygon = walls.points[start:stop] - walls.points[start]
-        total += np.linalg.norm(np.cross(polygon, np.roll(polygon, -1, axis=0)).sum(axis=0)) / 2
-    return total
+@pytest.mark.parametrize("name", sorted(SITES))
+@pytest.mark.parametrize("seed", range(4))
+def test_rows_of_the_mesh_do_not_show(
+    name: str, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ties go by the sites' numbers, whatever order they enter in."""
+    layers = list(filled(0.0, SITES[name]).layers)
+    random = np.random.default_rng(seed)
+
+    def any_order(places: Ints) -> Ints:
+        return random.permutation(len(places))
+
+    monkeypatch.setattr(sites, "curve_order", any_order)
+    for before, after in zip(layers, filled(0.0, SITES[name]).layers, strict=True):
+        same(before, after)
+
+
+@pytest.mark.parametrize("first", [0, 3])
+@pytest.mark.parametrize("seed", range(6))
+def test_corners_on_walls_belong_to_the_first_site(
+    first: int, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The square's corners lie on the walls between mirrored sites, wherever its ring begins."""
+    pair = np.array([[2.0, 6, 0], [6, 2, 0], [3, 13, 0], [13, 3, 0], [11, 14, 0], [14, 11, 0]])
+    order = np.random.default_rng(seed).permutation(len(pair))
+    sections = [Section(0.5 * k, (np.roll(SQUARE, first, axis=0),)) for k in range(3)]
+    layers = list(foam(sections, pair[order]).layers)
+    for turn in range(4):
+        monkeypatch.setattr(sites, "curve_order", lambda places, turn=turn: np.roll(
+            np.arange(len(places)), turn
+        ))  # fmt: skip
+        for before, after in zip(layers, foam(sections, pair[order]).layers, strict=True):
+            same(before, after)

@@ -1,8 +1,8 @@
 """The regular triangulation of weighted grid points: the dual of their power diagram.
 
 Incremental insertion along a Hilbert curve with Lawson flips (Edelsbrunner and Shah, "Incremental
-topological flipping works for regular triangulations", Algorithmica 1996). With the predicates
-of `exact.py` it is canonical: neither the order of insertion nor the history of flips shows, and
+topological flipping works for regular triangulations", Algorithmica 1996). With the predicates of
+`predicates.py` it is canonical: neither the order of insertion nor the history of flips shows, and
 grids, collinear and cocircular points are no special cases.
 """
 
@@ -25,6 +25,7 @@ from v3dcad.geometry.power_diagram.triangle_mesh import (
     carry_out,
     corner_at,
     edge_to,
+    note_hidden,
     plan,
     split,
 )
@@ -95,7 +96,8 @@ def _take_over(mesh: Triangulation, point: int, other: int) -> int:
         triangle = beside
         if triangle == first:
             break
-    mesh.triangle_of[point], mesh.triangle_of[other] = first, ABSENT
+    mesh.triangle_of[point] = first
+    note_hidden(mesh, other)
     return count
 
 
@@ -110,13 +112,13 @@ def insert(mesh: Triangulation, point: int, triangle: int) -> int:
         if points[other, 0] == points[point, 0] and points[other, 1] == points[point, 1]:
             waiting = _take_over(mesh, point, other)
             if waiting == 0:
-                mesh.triangle_of[point] = ABSENT
+                note_hidden(mesh, point)
                 return triangle
             break
     if waiting == 0:
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
         if not conflicts(points, a, b, c, point):
-            mesh.triangle_of[point] = ABSENT
+            note_hidden(mesh, point)
             return triangle
         second, third = split(mesh, triangle, point)
         stack[0], stack[1], stack[2] = triangle, second, third
@@ -161,7 +163,8 @@ def build(mesh: Triangulation, count: int) -> None:
         triangles[0, i], triangles[1, i] = first, second
         triangles[0, ACROSS + i] = triangles[1, ACROSS + i] = ABSENT
     triangles[0, ACROSS + 1], triangles[1, ACROSS + 2] = 1, 0
-    mesh.counts.points, mesh.counts.triangles, mesh.counts.free = count, 2, 0
+    mesh.counts.points, mesh.counts.triangles = count, 2
+    mesh.counts.free = mesh.counts.hidden = 0
     triangle = 0
     for point in range(SENTINELS, count):
         triangle = insert(mesh, point, triangle)
@@ -183,6 +186,7 @@ def triangulation(
         triangles=np.empty((2 * count, 6), np.int32),
         free=np.empty(2 * count, np.int32),
         stack=np.empty(2 * count, np.int32),
+        hidden=np.empty(count, np.int32),
         counts=MeshCounts.of(),
     )
     mesh.points[SENTINELS:, :2] = sites

@@ -41,6 +41,8 @@ class MeshCounts(Record):
     triangles: int
     free: int
     """triangle slots that were in use and can be used again"""
+    hidden: int
+    """how many points have become hidden since somebody last emptied that list"""
 
 
 class Triangulation(NamedTuple):
@@ -56,6 +58,8 @@ class Triangulation(NamedTuple):
     """(t,) int32: slots of triangles to be used again"""
     stack: Int32Array
     """(t,) int32: room for insertions"""
+    hidden: Int32Array
+    """(p,) int32: the points that have become hidden, each once"""
     counts: MeshCounts
 
 
@@ -180,6 +184,14 @@ def _flip(mesh: Triangulation, triangle: int, i: int, other: int) -> None:
 
 
 @compiled(INLINED)
+def note_hidden(mesh: Triangulation, point: int) -> None:
+    """Note that a point has no triangles any more, or got none."""
+    mesh.triangle_of[point] = ABSENT
+    mesh.hidden[mesh.counts.hidden] = point
+    mesh.counts.hidden += 1
+
+
+@compiled(INLINED)
 def _hide(mesh: Triangulation, triangle: int, i: int, other: int, third: int, second: bool) -> None:
     """Merge the three triangles of b (`second`) or c into `triangle`, with a first."""
     triangles = mesh.triangles
@@ -196,7 +208,7 @@ def _hide(mesh: Triangulation, triangle: int, i: int, other: int, third: int, se
         _place(mesh, triangle, a, kept, d, over, beyond, beside)
     _relink(triangles, over, other, triangle)
     _relink(triangles, beyond, third, triangle)
-    mesh.triangle_of[hidden] = ABSENT
+    note_hidden(mesh, hidden)
     triangles[other, 0] = triangles[third, 0] = ABSENT
     freed = mesh.counts.free
     mesh.free[freed], mesh.free[freed + 1] = other, third

@@ -9,11 +9,11 @@ import numpy as np
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats
 from v3dcad.settings import FillSettings
-from v3dcad.structure.foam.explicit import explicit_sites
+from v3dcad.structure.foam.explicit import column_sites, explicit_sites
 from v3dcad.structure.foam.sites import FoamSites
 from v3dcad.structure.foam.space import steepest_in, tilt
 from v3dcad.structure.foam.tile import MARGIN_CELLS, stretch_for
-from v3dcad.structure.foam.uniform import uniform_sites
+from v3dcad.structure.foam.uniform import refuse_larger, refuse_many, uniform_sites
 from v3dcad.structure.sites import scatter_sites
 
 CELLS = 40
@@ -32,21 +32,24 @@ def foam_for(
     """
     if sites is not None:
         return _given(low, high, np.asarray(sites, np.float64), settings)
+    columns = settings.stretch == "columns"
+    stretch = np.inf if columns else settled_stretch(settings)
+    flattened = (high - low) / np.array([1, 1, stretch])
     size = settings.cell_size
     if isinstance(size, str):
-        size = auto_cell_size(low, high)
-    if settings.stretch == "columns":
+        size = auto_cell_size(flattened)
+    refuse_larger(size, flattened)
+    if columns:
         foam = _columns(low, high, size, settings.random_seed)
         return foam, replace(settings, cell_size=size)
-    stretch = settled_stretch(settings)
     foam = uniform_sites(low, high, size, stretch, settings.random_seed)
     return foam, replace(settings, cell_size=size, stretch=stretch)
 
 
-def auto_cell_size(low: Floats, high: Floats) -> float:
-    """The cell size, mm, for a part in a box that nobody gave one for."""
-    size = high - low
-    return float(min(max(np.sqrt(size[0] * size[1] / CELLS), LEAST), MOST, size[:2].max()))
+def auto_cell_size(size: Floats) -> float:
+    """The cell size, mm, that nobody gave for a part of a size (3,), mm, in the stretched space."""
+    even = max(float(np.sqrt(size[0] * size[1] / CELLS)), LEAST)
+    return min(even, MOST, float(size.max()))
 
 
 def settled_stretch(settings: FillSettings) -> float:
@@ -72,8 +75,8 @@ def _columns(low: Floats, high: Floats, cell_size: float, random_seed: int) -> F
     margin = MARGIN_CELLS * cell_size
     rectangle = np.array([low[:2] - margin, high[:2] + margin])
     count = max(1, round(float(np.prod(rectangle[1] - rectangle[0])) / cell_size**2))
-    flat = scatter_sites(rectangle, count, random_seed)
-    return explicit_sites(np.column_stack([flat, np.zeros(count)]), 1.0, low, high)
+    refuse_many(count, cell_size)
+    return column_sites(scatter_sites(rectangle, count, random_seed), low, high)
 
 
 def _given(
@@ -84,8 +87,7 @@ def _given(
             "sites", f"sites of shape {sites.shape}: give rows of x, y, z, or of x, y for columns"
         )
     if sites.shape[1] == 2:
-        flat = np.column_stack([sites, np.zeros(len(sites))])
-        return explicit_sites(flat, 1.0, low, high), replace(settings, stretch="columns")
+        return column_sites(sites, low, high), replace(settings, stretch="columns")
     if isinstance(settings.stretch, str):
         raise SettingError(
             "stretch", f"--stretch {settings.stretch}: sites in space need a number; give it"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 
 import numpy as np
@@ -44,6 +45,18 @@ def explicit_sites(points: Floats, stretch: float, low: Floats, high: Floats) ->
         )
         whole = whole[np.sort(first)]
     return FoamSites(grid, stretch, whole, _spans(whole, grid, low, high))
+
+
+def column_sites(points: Floats, low: Floats, high: Floats) -> FoamSites:
+    """Sites at points (n, 2), mm, whose cells are upright columns, as `explicit_sites`.
+
+    Cells of sites at one height are the same with any stretch. This one makes the part as flat as a
+    cell is wide, so that only what is near in the plane is near in space.
+    """
+    size = high - low
+    spacing = math.sqrt(size[0] * size[1] / max(1, len(points)))
+    stretch = max(1.0, float(size[2]) / spacing) if spacing > 0 else 1.0
+    return explicit_sites(np.column_stack([points, np.zeros(len(points))]), stretch, low, high)
 
 
 def _spans(places: Ints, grid: Grid, low: Floats, high: Floats) -> Ints:

@@ -2,9 +2,9 @@
 
 A slice of the Voronoi diagram of sites (x, y, z) under the metric Δx² + Δy² + Δz² / s² is a power
 diagram. With heights divided by the stretch s and counted in steps of the grid of x and y, a site
-at k steps weighs k · t − k² steps² at a height of t / 2 steps (all weights lack t² / 4, which
-changes nothing). So s is not in the predicates, and t = 2 z / (s · pitch), rounded, is the engine's
-time: heights are snapped to half steps, s · pitch / 2 mm.
+at k steps weighs k · t − k² steps² at a height of t / 2 steps (for all sites that is t² / 4 more
+than by the metric, which changes nothing). So s is not in the predicates, and t = 2 z / (s · pitch)
+rounded is the engine's time: heights are snapped to half steps, s · pitch / 2 mm.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ class FoamSites(Value):
     places: Ints
     """(n, 3) x and y from the grid's corner, z from the bed"""
     spans: Ints
-    """(n, 2) lowest and highest z that the cell may reach; ± `ALWAYS` where nothing is known"""
+    """(n, 2) lowest and highest z that the cell may reach; from −`ALWAYS` to `ALWAYS` where nothing
+    is known, the other way round where it is known to lie outside the part"""
 
     @property
     def step(self) -> float:
@@ -61,15 +62,18 @@ class FoamSites(Value):
 
     def block(self) -> int:
         """The length of the sweep's blocks, in time units."""
-        known = np.abs(self.spans) < ALWAYS
-        reach = np.abs(self.spans - self.places[:, 2:])[known].max(initial=0)
-        return 2 * HEIGHTS * int(reach) + 2 if known.all() and len(known) else COLUMN
+        low = self.spans[:, 0]
+        if (low <= -ALWAYS).any():
+            return COLUMN
+        reach = np.abs(self.spans - self.places[:, 2:])[low < ALWAYS].max(initial=0)
+        return 2 * HEIGHTS * int(reach) + 2
 
     def swept(self) -> SweptSites:
         """The sites as the sweep takes them."""
-        k = self.places[:, 2]
         opens, closes = np.clip(2 * self.spans, -ALWAYS, ALWAYS).T
-        return SweptSites(self.places[:, :2], -k * k, k, opens, closes, np.arange(len(k)))
+        numbers = np.arange(len(self.places))
+        flat, heights = self.places[:, :2], self.places[:, 2]
+        return SweptSites(flat, heights, np.zeros_like(numbers), opens, closes, numbers)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,13 +88,13 @@ class SlicedSites:
 
     @property
     def weights(self) -> Floats:
-        """(n,) mm²: 2 z zᵢ / s² − zᵢ² / s² at the snapped height z."""
-        k = self.foam.places[:, 2]
-        return np.asarray((k * self.time - k * k) * self.foam.grid.pitch**2, np.float64)
+        """(n,) mm²: −((z − zᵢ) / s)² at the snapped height z: powers are squared distances."""
+        above = (self.time - 2 * self.foam.places[:, 2]) * (self.foam.grid.pitch / 2)
+        return np.asarray(-(above**2), np.float64)
 
     @property
     def growth(self) -> Floats:
-        """(n,) mm² per mm of height: 2 zᵢ / s²."""
+        """(n,) mm² per mm of height: 2 zᵢ / s², without the −2 z / s² that all have."""
         return np.asarray(2 * self.foam.places[:, 2] * (self.foam.grid.pitch / self.foam.stretch))
 
     def present(self) -> Ints:

@@ -51,6 +51,10 @@ def space_of(foam: FoamSites, box: Floats) -> Space:
     """The walls of a foam's sites in a box (2, 3), mm, bed coordinates."""
     squeezed = np.array([1, 1, 1 / foam.stretch])
     places = foam.millimetres()
+    if not (box[0] < box[1]).all():
+        return Space(
+            places, foam.stretch, np.empty((0, 2), np.int64), np.empty((0, 3)), np.zeros(1, int)
+        )
     sites, points, starts = walls_in_box(places * squeezed, *(box * squeezed))
     return Space(places, foam.stretch, sites, points / squeezed, starts)
 

@@ -20,28 +20,39 @@ def uniform_sites(
     """The shipped sites, repeated in reach of the box low … high (3,), mm, bed coordinates.
 
     There are 1 / cell_size² cells a mm² in a horizontal section. Raises `SettingError` for cells
-    larger than the box, smaller than the grid resolves, or more than `MOST`.
+    smaller than the grid resolves, or more than `MOST`.
     """
     size = high - low
-    if cell_size > max(size[0], size[1], size[2] / stretch):
-        raise SettingError(
-            "cell_size",
-            f"--cell-size {cell_size:g}: larger than the part, {size[0]:g} × {size[1]:g} × "
-            f"{size[2]:g} mm; give a smaller one",
-        )
     margin = (MARGIN_CELLS + 0.01) * cell_size
     repeated = pattern(cell_size, random_seed, float(size[:2].max()) + 2 * margin)
     steps = repeated.pitch * np.array([1, 1, stretch])
     lowest, highest = (np.rint(corner / steps).astype(np.int64) for corner in (low, high))
     count = repeated.count_in(lowest, highest)
+    refuse_many(count, cell_size)
+    places, spans = repeated.sites_in(lowest, highest)
+    corner = lowest[:2] - repeated.margin
+    grid = Grid(np.asarray(corner * repeated.pitch, np.float64), repeated.pitch * STEPS)
+    places[:, :2] -= corner
+    return FoamSites(grid, stretch, places, spans)
+
+
+def refuse_larger(cell_size: float, size: Floats) -> None:
+    """Raise `SettingError` for cells larger than a part of a size (3,), mm, in the stretched space,
+    in all directions.
+    """
+    if cell_size > size.max():
+        raise SettingError(
+            "cell_size",
+            f"--cell-size {cell_size:g}: larger than the part, in which {size.max():.3g} mm fit; "
+            "give a smaller one",
+        )
+
+
+def refuse_many(count: int, cell_size: float) -> None:
+    """Raise `SettingError` for more cells than `MOST`."""
     if count > MOST:
         raise SettingError(
             "cell_size",
             f"--cell-size {cell_size:g}: {count:,} cells are more than memory holds "
             f"({MOST:,}); give a larger one",
         )
-    places, spans = repeated.sites_in(lowest, highest)
-    corner = lowest[:2] - repeated.margin
-    grid = Grid(np.asarray(corner * repeated.pitch, np.float64), repeated.pitch * STEPS)
-    places[:, :2] -= corner
-    return FoamSites(grid, stretch, places, spans)

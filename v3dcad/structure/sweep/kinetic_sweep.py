@@ -21,7 +21,7 @@ from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.geometry.power_diagram.kinetic_triangulation import motion_of
 from v3dcad.geometry.power_diagram.regular_triangulation import triangulation
-from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, SENTINELS
+from v3dcad.geometry.power_diagram.triangle_mesh import SENTINELS
 from v3dcad.model import Diagram, Ints, Section
 from v3dcad.structure.sweep.layer_loop import Output, Queue, output, run, walks
 from v3dcad.structure.sweep.ring_arrays import Rings, rings_of
@@ -79,23 +79,16 @@ class Sweep:
         now = time - self._origin
         later = self._times[np.searchsorted(self._times, time) :] - self._origin
         sites, there = present.in_order(later[: max(1, int(np.searchsorted(later, self._block)))])
-        weights = sites.base + sites.growth * now
-        self.mesh = triangulation(sites.places, weights, sites.numbers, there)
+        self.mesh = triangulation(sites.places, sites.weights_at(now), sites.numbers, there)
         still = np.zeros(SENTINELS, np.int64)
-        self.motion = motion_of(
-            self.mesh, np.concatenate([still, sites.growth]), now, self._block - 1
-        )
+        growth = np.concatenate([still, sites.heights])
+        self.motion = motion_of(self.mesh, growth, now, self._block - 1)
         room = len(self.mesh.points)
-        hidden = SENTINELS + np.flatnonzero(
-            self.mesh.triangle_of[SENTINELS : SENTINELS + there] == ABSENT
-        )
-        waiting = np.empty(room, np.int32)
-        waiting[: len(hidden)] = hidden
         self._queue = Queue(
             np.concatenate([still, sites.opens]),
             np.concatenate([still, sites.closes]),
-            waiting,
-            np.array([len(hidden)]),
+            self.mesh.hidden.copy(),
+            np.array([self.mesh.counts.hidden]),
         )
         self._cut = empty_cut(room, len(self.mesh.triangles))
 

@@ -37,7 +37,7 @@ from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.power_diagram.ending import Ending
 from v3dcad.geometry.power_diagram.event_queue import Motion
 from v3dcad.geometry.power_diagram.kinetic_triangulation import advance, enter
-from v3dcad.geometry.power_diagram.triangle_mesh import ABSENT, Triangulation
+from v3dcad.geometry.power_diagram.triangle_mesh import Triangulation
 from v3dcad.structure.sweep.ring_arrays import Rings
 
 CELLS, GRAPH, VERTEX_ROW, EDGE_ROW, PAIR_ROW = range(5)
@@ -79,7 +79,7 @@ class Queue(NamedTuple):
     closes: IntArray
     """(p,) the time after which it has none"""
     hidden: Int32Array
-    """(p,) points that may have a cell, but were hidden when they were last tried"""
+    """(p,) points that may have a cell, but were hidden by those that entered last"""
     length: IntArray
     """(1,) how many these are"""
 
@@ -148,22 +148,24 @@ def _same_crossings(before: Int32Rows, count_before: int, now: Int32Rows, count:
 
 @linked(INTERNAL)
 def enter_opened(mesh: Triangulation, motion: Motion, queue: Queue, time: int) -> None:
-    """Insert the points whose cells have opened by a time, at which the triangulation is."""
+    """Insert the points whose cells have opened by a time, at which the triangulation is.
+
+    Cells are convex in space: a point that flips have hidden has no cell ever after. One that
+    others hide on entering may have one later, since it may have been there too early.
+    """
     hidden, last = queue.hidden, len(queue.opens)
+    mesh.counts.hidden = 0
     while mesh.counts.points < last and queue.opens[mesh.counts.points] <= time:
         hidden[queue.length[0]] = mesh.counts.points
         queue.length[0] += 1
         mesh.counts.points += 1
-    triangle, kept = mesh.triangle_of[0], 0
+    triangle = mesh.triangle_of[0]
     for place in range(queue.length[0]):
-        point = hidden[place]
-        if queue.closes[point] < time:
-            continue
-        triangle = enter(mesh, motion, point, triangle)
-        if mesh.triangle_of[point] == ABSENT:
-            hidden[kept] = point
-            kept += 1
-    queue.length[0] = kept
+        if queue.closes[hidden[place]] >= time:
+            triangle = enter(mesh, motion, hidden[place], triangle)
+    queue.length[0] = mesh.counts.hidden
+    for place in range(mesh.counts.hidden):
+        hidden[place] = mesh.hidden[place]
 
 
 @compiled(UNCOUNTED)

@@ -25,7 +25,7 @@ def diagrams_on(grid: Grid) -> Engine:
         places, heavy = grid.snap(sites), grid.snap_weights(weights)
         numbers = np.arange(len(places))
         still, always = np.zeros(len(places), np.int64), np.full(len(places), ALWAYS)
-        swept = SweptSites(places, heavy, still, -always, always, numbers)
+        swept = SweptSites(places, still, heavy, -always, always, numbers)
         sweep = Sweep(grid, swept, np.zeros(1, np.int64), 2)
         return next(sweep.run([section], 0))[0]
 

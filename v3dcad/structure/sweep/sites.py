@@ -15,18 +15,17 @@ ALWAYS = 1 << 60
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SweptSites(Value):
-    """Sites whose weights at a whole time t are base + growth · t, in grid units.
+    """Sites that a plane sweeps over; at a whole time t it is t / 2 steps high.
 
-    A site of the foam at k steps of the stretched space has base −k² and growth k: t is twice the
-    height, in steps. A site that stays as it is has growth 0.
+    A site at k steps with a weight w of its own weighs w + k · t − k² then, in steps².
     """
 
     places: Ints
     """(n, 2) grid steps"""
-    base: Ints
-    """(n,) steps²"""
-    growth: Ints
-    """(n,) steps² per unit of time"""
+    heights: Ints
+    """(n,) grid steps: how much weight a site gains in one unit of time"""
+    weights: Ints
+    """(n,) steps², of each site itself"""
     opens: Ints
     """(n,) no cell before this time; −`ALWAYS` where nothing is known"""
     closes: Ints
@@ -34,21 +33,23 @@ class SweptSites(Value):
     numbers: Ints
     """(n,) the sites' numbers"""
 
+    def weights_at(self, time: int) -> Ints:
+        """(n,) what they weigh at a time, steps²."""
+        return np.asarray(self.weights + self.heights * (time - self.heights))
+
     def present(self, first: int, last: int) -> SweptSites:
         """Those that may have a cell from time to time."""
         return self._rows(np.flatnonzero((self.opens <= last) & (self.closes >= first)))
 
     def since(self, origin: int) -> SweptSites:
-        """The same with times counted from an even origin, 2 h.
+        """The same with times counted from an even origin, and heights from the plane there.
 
-        All weights lose h · t − h², which changes no diagram: so those of the foam's sites become
-        what they would be with their heights counted from h, and stay small.
+        With h = origin / 2, all weights lose h · t − h², which changes no diagram.
         """
-        h = origin // 2
         return SweptSites(
             self.places,
-            self.base + self.growth * origin - h * h,
-            self.growth - h,
+            self.heights - origin // 2,
+            self.weights,
             self.opens - origin,
             self.closes - origin,
             self.numbers,
@@ -59,7 +60,6 @@ class SweptSites(Value):
         curve; and how many are there at the first.
         """
         layer = np.searchsorted(times, self.opens)
-        layer[self.opens <= times[0]] = 0
         along = np.empty(len(layer), np.int64)
         along[curve_order(self.places)] = np.arange(len(layer))
         order = np.lexsort((along, layer))
@@ -68,8 +68,8 @@ class SweptSites(Value):
     def _rows(self, rows: Ints) -> SweptSites:
         return SweptSites(
             self.places[rows],
-            self.base[rows],
-            self.growth[rows],
+            self.heights[rows],
+            self.weights[rows],
             self.opens[rows],
             self.closes[rows],
             self.numbers[rows],
