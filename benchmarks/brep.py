@@ -67,20 +67,22 @@ def row(what: str, work: Callable[[Path], Any], ending: str = "") -> None:
     print(f"| {what} | {seconds:.2f} s | {size} |", flush=True)
 
 
-def filled(sites: int, **settings: Any) -> Structure:
+def filled(cell_size: float) -> Structure:
     """A drilled block of 50 × 50 × 30 mm in 150 layers."""
     part = Box(50, 50, 30) - Cylinder(8, 30)
-    chosen = {"layer_height": 0.2, "offset": 0.05, "sites": sites, **settings}
-    return v3dcad.fill(part, **chosen)
+    return v3dcad.fill(part, layer_height=0.2, cell_size=cell_size)
 
 
-def ordinary(sites: int) -> None:
+def ordinary(cell_size: float) -> None:
     """Every form of one structure."""
-    structure = filled(sites)
+    structure = filled(cell_size)
     edges = sum(len(layer.diagram.edges) for layer in structure.layers)
     facets = structure.facets()
     struts = len(facets.struts())
-    print(f"\n| {sites} sites × 150: {edges} edges, {len(facets)} walls, {struts} struts | | |")
+    print(
+        f"\n| cells of {cell_size:g} mm × 150 layers: {edges} edges, {len(facets)} walls, ", end=""
+    )
+    print(f"{struts} struts | | |")
     print("|---|---|---|")
     row("layers computed", lambda _: list(structure.layers))
     row("wires, STEP", structure.write_step, ".step")
@@ -110,11 +112,11 @@ def ordinary(sites: int) -> None:
 
 
 def large() -> None:
-    """What is asked of 3,000 sites."""
-    structure = filled(3000, offset=0.01, insertion=False)
+    """What is asked of some 10,000 cells."""
+    structure = filled(1.6)
     facets = structure.facets()
     struts = facets.struts()
-    print(f"\n| 3,000 sites: {len(facets)} walls, {len(struts)} struts | | |\n|---|---|---|")
+    print(f"\n| cells of 1.6 mm: {len(facets)} walls, {len(struts)} struts | | |\n|---|---|---|")
     row("faces", lambda _: structure.faces())
     row("cells", lambda _: structure.cells())
     for count in (1000, 10_000):
@@ -141,5 +143,5 @@ if __name__ == "__main__":
     elif "--beams" in sys.argv:
         beams()
     else:
-        ordinary(40)
-        ordinary(300)
+        ordinary(8.0)
+        ordinary(3.5)

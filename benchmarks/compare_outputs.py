@@ -23,27 +23,28 @@ RUN = "import sys; from v3dcad.cli import main; sys.exit(main())"
 
 ALL_FORMS = "--out . --3mf p.3mf --stl p.stl --brep p.brep --svg p.svg --diameter 1"
 
-COARSE = "--layer-height 0.6 --sites 15"
+COARSE = "--layer-height 0.6 --cell-size 12"
 
 COMMANDS = {
     "bracket": f"fill SAMPLES/bracket.step {ALL_FORMS} {COARSE}",
     "cone": f"fill SAMPLES/cone.step {ALL_FORMS} {COARSE}",
     "islands": f"fill SAMPLES/islands.step {ALL_FORMS} {COARSE}",
-    "pyramid": f"fill SAMPLES/pyramid.step {ALL_FORMS} --layer-height 2 --sites 60",
+    "pyramid": f"fill SAMPLES/pyramid.step {ALL_FORMS} --layer-height 2 --cell-size 9",
     "triangles": "fill SAMPLES/pyramid.stl --out . --stl p.stl --svg p.svg --layer-height 2",
     "default": "fill SAMPLES/bracket.step --out .",
-    "columns": f"fill SAMPLES/bracket.step --out . --no-insertion --offset 0 {COARSE}",
+    "columns": f"fill SAMPLES/bracket.step --out . --stretch columns {COARSE}",
     **{
-        f"step-{form}": f"fill SAMPLES/bracket.step --step p.step --step-as {form} --sites 6 "
+        f"step-{form}": f"fill SAMPLES/bracket.step --step p.step --step-as {form} --cell-size 16 "
         "--layer-height 0.6 --thickness 1 --diameter 1"
         for form in ("faces", "cells", "solid", "struts", "beads")
     },
     **{
         f"mesh-{form}": f"fill SAMPLES/bracket.step --3mf p.3mf --threemf-as {form} --stl p.stl "
-        f"--stl-as {form} --stl-ascii --sites 6 --layer-height 2 --thickness 1 --diameter 1"
+        f"--stl-as {form} --stl-ascii --cell-size 16 --layer-height 2 --thickness 1 --diameter 1"
         for form in ("solid", "struts", "beads")
     },
-    "thesis-cone": f"fill SAMPLES/cone.step --out . --method thesis --base-clearance 0.1 {COARSE}",
+    "thesis-cone": "fill SAMPLES/cone.step --out . --method thesis --base-clearance 0.1 "
+    "--layer-height 0.6 --sites 15",
     "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 2",
     "thesis-loft": "fill SAMPLES/islands.step --ont p.ont --method thesis --interpolate --offset 0",
     "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",

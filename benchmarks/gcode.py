@@ -157,7 +157,7 @@ def thesis() -> None:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "part.step"
             export_step(part, str(file))
-            structure = v3dcad.fill(file, sites=sites, offset=offset)
+            structure = v3dcad.fill(file, method="thesis", sites=sites, offset=offset)
             for route in ("least-retrace", "trails", "tree"):
                 options = PrintSettings(route=route, contour="centre")
                 found = structure.write_gcode(Path(folder) / "part.gcode", options).totals

@@ -1,4 +1,4 @@
-"""How small `.ont` is: the five parts of the thesis's Table 4.1 in every format, as bytes.
+"""How small `.ont` is: the thesis's structures of Table 4.1 in every format, as bytes.
 
 `python benchmarks/ont.py [part ...]` from the root of the repository prints two Markdown tables
 (docs/ont.md holds them). Every edge of every layer, wall or contour, is a rectangle of two
@@ -143,7 +143,7 @@ def sizes(path: Path) -> dict[str, int]:
 
 def measure(name: str, folder: Path) -> dict[str, dict[str, float]]:
     make, settings, _ = PARTS[name]
-    structure = v3dcad.fill(make(), **settings)
+    structure = v3dcad.fill(make(), method="thesis", **settings)
     found: dict[str, dict[str, float]] = {}
     for boundary in ("exact", "stl"):
         path = folder / f"part.{boundary}.ont"

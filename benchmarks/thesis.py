@@ -2,8 +2,8 @@
 
     python benchmarks/thesis.py [--bunny ../shared/data/parts/bunny.stl] [--out FOLDER]
 
-prints Table 4.1 (sizes), Table 4.2 (times), and how far walls lie from the layer below by both
-methods; writes Fig. 3.13 (area per cell) and Fig. 3.30 (time over number of sites) as PNG.
+prints Table 4.1 (sizes), Table 4.2 (times), and how far walls lie from the layer
+below; writes Fig. 3.13 (area per cell) and Fig. 3.30 (time over number of sites) as PNG.
 """
 
 from __future__ import annotations
@@ -192,24 +192,22 @@ def overhang(cases: Sequence[Recipe]) -> None:
     rows = []
     for case in cases:
         part = part_from(case.source())
-        for method in ("thesis", "continuous"):
-            structure = build(part, replace(case.settings, method=method))
-            most, most_99 = farthest(structure.layers)
-            report = structure.report()
-            rows.append(
-                [
-                    case.name,
-                    method,
-                    f"{case.settings.offset:g}",
-                    str(len(report["births"])),
-                    str(len(report["layers_without_candidate"])),
-                    f"{most:.3f}",
-                    f"{most_99:.3f}",
-                ]
-            )
+        structure = build(part, case.settings)
+        most, most_99 = farthest(structure.layers)
+        report = structure.report()
+        rows.append(
+            [
+                case.name,
+                f"{case.settings.offset:g}",
+                str(len(report["births"])),
+                str(len(report["layers_without_candidate"])),
+                f"{most:.3f}",
+                f"{most_99:.3f}",
+            ]
+        )
     table(
         "Overhang: largest distance from a layer's walls to the layer below, mm",
-        ["part", "method", "offset", "inserted", "unanswered", "largest", "99 % below"],
+        ["part", "offset", "inserted", "unanswered", "largest", "99 % below"],
         rows,
     )
 

@@ -105,7 +105,7 @@ def area_of(section: Section) -> shapely.Geometry:
 def layer(sites: Floats, section: Section, index: int = 0) -> Layer:
     diagram = voronoi(sites, section)
     count = len(sites)
-    grid = Grid.around(np.array([-100.0, -100]), np.array([100.0, 100]))
+    grid = Grid.around(sites.min(axis=0), sites.max(axis=0))
     state = PlaneSites(grid, sites, np.zeros(count), np.zeros(count))
     return Layer(index, section, state, diagram, area_of(section).area / count)
 

@@ -16,7 +16,7 @@ BREP = Brep(
     b"\nOpen CASCADE Topology V4, and so on", np.array([[-1.0, -2, 0], [1, 2, 50.00000000000342]])
 )
 CHECKSUM = Checksum(
-    layers=3, births=1, walls=12, sites="0" * 8, weights="1" * 8, topology="2" * 8, sha256="ab" * 32
+    layers=3, cells=5, walls=12, sites="0" * 8, weights="1" * 8, topology="2" * 8, sha256="ab" * 32
 )
 
 
@@ -27,10 +27,12 @@ def recipe(
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
     **settings: object,
 ) -> Recipe:
-    """A recipe that is good unless told otherwise."""
-    known = {"offset": 0.1, "layer_height": 0.15, "random_seed": 7, **settings}
-    if places is not None:
-        known["sites"] = len(places)
+    """A recipe that is good unless told otherwise; by the thesis's method unless told otherwise."""
+    known = {"method": "thesis", "layer_height": 0.15, "random_seed": 7, **settings}
+    if known["method"] == "thesis":
+        known = {"offset": 0.1, **known}
+        if places is not None:
+            known["sites"] = len(places)
     return Recipe(
         name="a",
         settings=FillSettings(**known),

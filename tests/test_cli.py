@@ -4,26 +4,35 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from v3dcad.cli import main
-from v3dcad.report import certificate_line
+from v3dcad.report import certificate_line, foam_lines
+from v3dcad.settings import FillSettings, declared, option
 
 pytestmark = pytest.mark.slow
 
 
-def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+def run(
+    *words: object, cwd: Path | None = None, columns: int = 80
+) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", "from v3dcad.cli import main; main()", *map(str, words)],
         capture_output=True,
         encoding="utf-8",
         cwd=cwd,
         check=False,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent.parent)},
+        env={
+            **os.environ,
+            "PYTHONPATH": str(Path(__file__).parent.parent),
+            "COLUMNS": str(columns),
+        },
     )
 
 
@@ -46,7 +55,7 @@ def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None
     assert done.stderr == "", "no progress in a pipe"
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == [f"bracket.{end}" for end in ("gcode", "json", "ont", "png", "step")]
-    for word in ("layers", "cells", "walls", "wall length", *files):
+    for word in ("layers", "cells", "steepest", "wall length", *files):
         assert word in done.stdout
     again = run("fill", tmp_path / "out" / "bracket.ont", "--report", tmp_path / "again.json")
     assert again.returncode == 0, again.stderr
@@ -54,16 +63,50 @@ def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None
     assert "4 mm" in told.stdout
 
 
+def test_the_summary_says_what_the_report_says(samples: Path, tmp_path: Path) -> None:
+    report = tmp_path / "a.json"
+    fill = ("fill", samples / "pyramid.stl", "--layer-height", 2, "--report", report)
+    done = run(*fill, "--cell-size", 12)
+    told = json.loads(report.read_text(encoding="utf-8"))
+    most = told["most_cells_in_a_layer"]
+    assert f"cells         {told['cells']}, at most {most} in a layer\n" in done.stdout
+    for name, line in foam_lines(told["foam"]).items():
+        assert f"{name:<12}  {line}\n" in done.stdout
+    assert "12 mm asked" in done.stdout
+    assert certificate_line(told["overhang"]) in done.stdout
+    assert "births" not in done.stdout
+    assert "offset" not in done.stdout
+
+
 def test_no_insertion_is_obeyed(samples: Path, tmp_path: Path) -> None:
+    csv, report = tmp_path / "sites.csv", tmp_path / "a.json"
+    random = np.random.default_rng(4)
+    csv.write_text("".join(f"{x},{y}\n" for x, y in random.uniform(-33.5, 33.5, (50, 2))))
     births = {}
     for word in ("--insertion", "--no-insertion"):
-        report = tmp_path / f"{word}.json"
-        done = run("fill", samples / "pyramid.stl", "--layer-height", 2, "--report", report, word)
-        told = json.loads(report.read_text(encoding="utf-8"))
-        births[word] = len(told["births"])
+        done = run(
+            *("fill", samples / "pyramid.stl", "--method", "thesis", "--sites-file", csv),
+            *("--layer-height", 2.5, "--offset", 10, "--report", report, word),
+        )
+        births[word] = len(json.loads(report.read_text(encoding="utf-8"))["births"])
         assert f"births        {births[word]}\n" in done.stdout
-        assert certificate_line(told["overhang"]) in done.stdout
+        assert "offset        10 mm² a layer\n" in done.stdout
     assert births["--insertion"] > births["--no-insertion"] == 0
+
+
+def test_help_shows_each_setting_once_with_its_method() -> None:
+    shown: list[tuple[str, list[str]]] = []
+    for line in run("fill", "--help", columns=160).stdout.splitlines():
+        words = line.strip("│ ").split()
+        if words and words[0].startswith("--"):
+            shown.append((words[0], []))
+        if shown:
+            shown[-1][1].extend(words)
+    for name in FillSettings.__dataclass_fields__:
+        (says,) = [" ".join(words) for flag, words in shown if flag == option(name)]
+        method = declared(FillSettings, name).method
+        told = re.findall(r"Method (\w+) only\.", says)
+        assert told == ([] if method is None else [method]), name
 
 
 def test_warm_up_says_when_it_is_done() -> None:
@@ -86,8 +129,25 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--layer-height", -1], "--layer-height -1"),
         (["--layer-height", "nan"], "finite"),
         (["--layer-height", 99], "only 30 mm high"),
-        (["--sites", 0], "--sites 0: give a number of at least 1"),
-        (["--offset", -0.1], "--offset -0.1"),
+        (["--method", "thesis", "--sites", 0], "--sites 0: give a number of at least 1"),
+        (["--method", "thesis", "--offset", -0.1], "--offset -0.1"),
+        (["--method", "thesis", "--offset", "much"], "--offset much: give a number or auto"),
+        (["--cell-size", 0], "--cell-size 0.0: give a number above 0 mm"),
+        (["--cell-size", "small"], "--cell-size small: give a number or auto"),
+        (["--cell-size", 50], "--cell-size 50: larger than the part"),
+        (["--cell-size", 0.0001], "--cell-size 0.0001: the grid of a part of 40"),
+        (["--cell-size", 0.05], "cells are more than memory holds"),
+        (["--stretch", 1.1], "--stretch 1.1: walls would lean more than 45°; give at least 1.25"),
+        (["--stretch", 0.5], "--stretch 0.5: give a number of at least 1"),
+        (["--stretch", "tall"], "--stretch tall: give a number or auto or columns"),
+        (["--max-overhang", 5], "--max-overhang 5.0: give a number of at least 10 °"),
+        (["--max-overhang", 85], "--max-overhang 85.0: give a number of at most 80 °"),
+        (["--sites", 40], "--sites is a setting of --method thesis, not of foam"),
+        (["--offset", 0.2], "--offset is a setting of --method thesis, not of foam"),
+        (["--no-insertion"], "--insertion is a setting of --method thesis, not of foam"),
+        (["--interpolate"], "--interpolate is a setting of --method thesis, not of foam"),
+        (["--method", "thesis", "--cell-size", 6], "--cell-size is a setting of --method foam"),
+        (["--method", "thesis", "--stretch", 2], "--stretch is a setting of --method foam"),
         (["--bed", "220"], "such as 220x220"),
         (["--bed", "30x220"], "10.00 mm too large in x"),
         (["--print-speed", 0], "--print-speed"),
@@ -202,18 +262,38 @@ def test_sites_from_a_file(
 ) -> None:
     csv = tmp_path / "sites.csv"
     fill = ("fill", samples / "cone.step", "--layer-height", 10, "--sites-file", csv)
+    report = ("--report", tmp_path / "a.json")
     csv.write_text("x,y\n1,2\n-3,4.5\n0,0\n", encoding="utf-8")
-    done = run(*fill, "--report", tmp_path / "a.json")
+    done = run(*fill, *report)
     assert done.returncode == 0, done.stderr
-    assert "cells         3" in done.stdout
-    for text, says in (
-        ("x,y\n", "no sites"),
-        ("1,2\n3\n", "line 2: write one `x,y`"),
-        ("1,2\n3,inf\n", "line 2: not a finite"),
-        ("500,500\n", "all sites lie outside"),
+    assert "cells         3, at most 3 in a layer" in done.stdout
+    assert "every wall is upright" in done.stdout
+    csv.write_text("x,y,z\n1,2,0\n\n0,0,25\n9,0,12\n", encoding="utf-8")
+    done = run(*fill, *report, "--stretch", 4)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert told["foam"]["sites"] == 3
+    assert told["foam"]["steepest_wall"]["sites"] == [0, 1]
+    lean = np.degrees(np.arctan2(25 / 4**2, np.hypot(1, 2)))
+    assert told["foam"]["steepest_wall"]["tilt_deg"] == pytest.approx(lean, abs=1e-4)
+    two, three = "1,2\n", "1,2,3\n"
+    for text, more, says in (
+        ("x,y\n", [], "no sites"),
+        (f"{two}3\n", [], "line 2: write one `x,y,z` in mm, or `x,y` for columns"),
+        (f"{two}3,4,5,6\n", [], "line 2: write one `x,y,z`"),
+        (f"{two}\n3,4,5\n", [], "line 3: 3 numbers, where the lines before have 2"),
+        (f"x,y,z\n{three}3,4\n", [], "line 3: 2 numbers, where the lines before have 3"),
+        (f"{two}3,inf\n", [], "line 2: not a finite"),
+        ("500,500\n", [], "all sites lie outside"),
+        (two, ["--cell-size", 6], "--cell-size 6.0: sites are given"),
+        (two, ["--stretch", 2], "--stretch 2: sites of x, y are columns"),
+        (three, [], "--stretch auto: sites in space need a number; give it"),
+        (three, ["--stretch", "columns"], "--stretch columns: sites in space need a number"),
+        (three, ["--method", "thesis"], "--method thesis takes sites as rows of x, y"),
+        (f"{three}1,3,9\n", ["--stretch", 2], "the wall between sites 0 and 1 leans 56.31°, more"),
     ):
         csv.write_text(text, encoding="utf-8")
-        assert says in mistake(capsys, *fill, "--report", tmp_path / "b.json")
+        assert says in mistake(capsys, *fill, "--report", tmp_path / "b.json", *more)
     assert not (tmp_path / "b.json").exists()
 
 
@@ -270,7 +350,7 @@ def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:
     names = ("a.ont", "a.step", "a.3mf", "a.stl", "a.brep", "a.svg")
     ont, step, threemf, stl, brep, svg = (tmp_path / name for name in names)
     done = run(
-        "fill", samples / "cone.step", "--layer-height", 3, "--sites", 9, "--step-as", "cells",
+        "fill", samples / "cone.step", "--layer-height", 3, "--cell-size", 12, "--step-as", "cells",
         "--threemf-as", "solid", "--stl-as", "solid", "--thickness", 1.5, "--ont", ont,
         "--step", step, "--3mf", threemf, "--stl", stl, "--brep", brep, "--svg", svg,
     )  # fmt: skip
@@ -285,14 +365,12 @@ def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:
 def test_what_forms_refuse(
     samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    fill = ("fill", samples / "cone.step", "--layer-height", 5, "--sites", 9)
+    fill = ("fill", samples / "cone.step", "--layer-height", 5)
     step = ("--step", tmp_path / "a.step", "--step-as")
     assert "--thickness 0" in mistake(capsys, *fill, *step, "solid", "--thickness", 0)
     assert "give wires or faces" in mistake(capsys, *fill, *step, "foam")
     thesis = mistake(capsys, *fill, *step, "faces", "--method", "thesis")
     assert "thesis" in thesis
-    assert "largest safe value" in mistake(capsys, *fill, *step, "wires", "--offset", 1e3)
-    assert "give a number or auto" in mistake(capsys, *fill, *step, "wires", "--offset", "much")
     assert not (tmp_path / "a.step").exists()
 
 

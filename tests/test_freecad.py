@@ -33,7 +33,7 @@ Read = Callable[..., list[dict[str, Any]]]
 def structure() -> Structure:
     body = Box(30, 24, 12) - Cylinder(5, 12)
     part = Pos(7, -3, 20) * fillet(body.edges().filter_by(Axis.Z), 3)
-    return v3dcad.fill(part, sites=12, layer_height=1.0, offset=0.3)
+    return v3dcad.fill(part, cell_size=8.0, layer_height=1.0)
 
 
 @pytest.fixture

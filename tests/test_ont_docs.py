@@ -24,7 +24,7 @@ def test_the_exact_example_makes_its_structure(samples: Path, tmp_path: Path) ->
     (tmp_path / "cone.ont").write_text(EXACT, encoding="utf-8")
     assert ont.check(tmp_path / "cone.ont")["result"] == "the structure is the one that was written"
     read = v3dcad.fill(tmp_path / "cone.ont")
-    made = v3dcad.fill(samples / "cone.step", layer_height=0.5, offset=0.2, sites=12, random_seed=3)
+    made = v3dcad.fill(samples / "cone.step", layer_height=0.5, cell_size=10, random_seed=3)
     assert read.checksum() == made.checksum()
     read.write_ont(tmp_path / "again.ont")
     assert (tmp_path / "again.ont").read_text(encoding="utf-8") == EXACT
@@ -33,7 +33,8 @@ def test_the_exact_example_makes_its_structure(samples: Path, tmp_path: Path) ->
 def test_the_example_in_the_thesis_s_form_is_filled(tmp_path: Path) -> None:
     (tmp_path / "tetrahedron.ont").write_text(THESIS, encoding="utf-8")
     structure = v3dcad.fill(tmp_path / "tetrahedron.ont")
-    assert structure.places.tolist() == [[-0.2, -0.2], [0.1, 0.25]]
+    assert structure.given.tolist() == [[-0.2, -0.2], [0.1, 0.25]]
+    assert structure.settings.method == "thesis"
     assert np.ptp(structure.part.bounds, axis=0).tolist() == [1, 1, 1]
     assert len(structure.layers) == 4
 

@@ -251,7 +251,7 @@ def test_holes_are_refused_or_patched(tmp_path: Path) -> None:
 
 def test_findings_reach_structure_and_sections(tmp_path: Path) -> None:
     part = v3dcad.part_from(open_cube(), repair=True)
-    structure = v3dcad.fill(part, layer_height=0.5, sites=1)
+    structure = v3dcad.fill(part, layer_height=0.5, sites=[(0, 0)])
     assert structure.findings() == list(part.findings)
     assert v3dcad.section(part).part.findings == part.findings
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from build123d import Box, import_step
 from gcode_reader import read_moves
 from parts import part_file
 
@@ -37,9 +38,8 @@ def path_of(name: str, samples: Path) -> Path:
 def test_every_layer_of_a_real_part_is_tiled(name: str, samples: Path) -> None:
     path = path_of(name, samples)
     high = np.ptp(v3dcad.pipeline.part_from(path).bounds[:, 2])
-    structure = v3dcad.fill(path, layer_height=high / 23, offset=0.1)
+    structure = v3dcad.fill(path, layer_height=high / 23)
     assert len(structure.layers) == 23
-    born_in, newborn = structure.filling.births.T
     for layer in structure.layers:
         if not layer.section.rings:
             assert name == "bunny.stl", "of these parts the bunny alone stands on a single point"
@@ -49,13 +49,9 @@ def test_every_layer_of_a_real_part_is_tiled(name: str, samples: Path) -> None:
         assert layer.diagram.areas(len(layer.state.sites)).sum() == pytest.approx(area, rel=1e-9)
         ends = np.sort(layer.diagram.edges, axis=1)
         assert len(np.unique(ends, axis=0)) == len(ends)
-        cells = np.nonzero(layer.diagram.areas(len(layer.state.sites)) > 0)[0]
-        # A newborn counts from its first layer on, although its cell is still empty there; but one
-        # that comes in from outside counts once its cell is in the section.
-        counted = np.union1d(cells, newborn[born_in == layer.index])
-        count = round(area / layer.area_per_cell)
-        assert len(cells) <= count <= len(counted)
-        assert layer.area_per_cell * count == pytest.approx(area)
+        cells = layer.diagram.sites()
+        assert np.isin(cells, layer.state.present()).all()
+        assert layer.area_per_cell * len(cells) == pytest.approx(area)
 
 
 def test_volumes_of_samples_by_their_sections(samples: Path) -> None:
@@ -65,7 +61,7 @@ def test_volumes_of_samples_by_their_sections(samples: Path) -> None:
         "islands.step": 20 * (math.pi * 10**2 + 24**2 - math.pi * 6**2),
     }
     for name, volume in known.items():
-        structure = v3dcad.fill(samples / name, layer_height=0.25, sites=1)
+        structure = v3dcad.fill(samples / name, layer_height=0.25, sites=[(0, 0)])
         areas = [area_of(layer).area for layer in structure.layers][1::2]
         assert sum(areas) * 0.5 == pytest.approx(volume, rel=1e-3)
 
@@ -95,15 +91,17 @@ def test_inches_are_millimetres(tmp_path: Path, samples: Path) -> None:
 def test_a_part_fills_alike_wherever_it_lies(samples: Path) -> None:
     part = v3dcad.pipeline.part_from(samples / "bracket.step")
     moved = part.placed(Placement(np.eye(3), np.array([64.0, -32.0, 128.0])))
-    one = v3dcad.build(part, v3dcad.FillSettings(layer_height=4.0, sites=12))
-    other = v3dcad.build(moved, v3dcad.FillSettings(layer_height=4.0, sites=12))
+    one = v3dcad.build(part, v3dcad.FillSettings(layer_height=4.0, cell_size=10.0))
+    other = v3dcad.build(moved, v3dcad.FillSettings(layer_height=4.0, cell_size=10.0))
+    count = len(one.sites)
+    assert len(other.sites) == count
     for a, b in zip(one.layers, other.layers, strict=True):
-        assert b.diagram.areas(12) == pytest.approx(a.diagram.areas(12), abs=1e-4)
+        assert b.diagram.areas(count) == pytest.approx(a.diagram.areas(count), abs=1e-4)
 
 
 @pytest.fixture(scope="module")
 def bracket(samples: Path) -> Structure:
-    return v3dcad.fill(samples / "bracket.step", layer_height=2.0, offset=0.2, sites=40)
+    return v3dcad.fill(samples / "bracket.step", layer_height=2.0, cell_size=8.0)
 
 
 @pytest.mark.parametrize("name", ["bracket.step", "islands.step", "pyramid.stl"])
@@ -198,11 +196,11 @@ def test_step_by_an_independent_reading(samples: Path, tmp_path: Path) -> None:
 
 
 def test_ont_of_an_stl_part_regenerates_it(samples: Path, tmp_path: Path) -> None:
-    structure = v3dcad.fill(samples / "pyramid.stl", layer_height=2.5, offset=0.3, sites=20)
+    structure = v3dcad.fill(samples / "pyramid.stl", layer_height=2.5, cell_size=14.0)
     structure.write_ont(tmp_path / "a.ont")
     again = v3dcad.fill(tmp_path / "a.ont")
     assert not again.placement.translation.any()
-    assert again.settings.offset == 0.3
+    assert again.settings == structure.settings
     for one, other in zip(structure.layers, again.layers, strict=True):
         assert np.array_equal(one.diagram.vertices, other.diagram.vertices)
         assert np.array_equal(one.diagram.edges, other.diagram.edges)
@@ -213,7 +211,7 @@ def test_ont_of_an_stl_part_regenerates_it(samples: Path, tmp_path: Path) -> Non
 
 def test_every_file_is_the_same_twice(samples: Path, tmp_path: Path) -> None:
     for run in ("one", "two"):
-        structure = v3dcad.fill(samples / "islands.step", layer_height=5.0, sites=10)
+        structure = v3dcad.fill(samples / "islands.step", layer_height=5.0, cell_size=8.0)
         for kind in ("ont", "gcode", "step", "png", "report"):
             getattr(structure, f"write_{kind}")(tmp_path / run / f"islands.{kind}")
     for file in sorted((tmp_path / "one").iterdir()):
@@ -225,7 +223,7 @@ def test_report_counts_what_the_layers_hold(bracket: Structure, tmp_path: Path) 
     report = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert report["layers"] == len(bracket.layers) == len(report["by_layer"]) == 24
     first = next(iter(bracket.layers))
-    assert report["by_layer"][0]["cells"] == 40
+    assert report["by_layer"][0]["cells"] == len(first.diagram.sites())
     assert report["by_layer"][0]["contour_length_mm"] == pytest.approx(area_of(first).length)
     assert report["settings"]["layer_height"] == 2.0
 
@@ -240,22 +238,53 @@ def test_picture_is_a_png_with_something_on_it(bracket: Structure, tmp_path: Pat
 
 
 def test_shapes_and_meshes_are_parts_too(samples: Path) -> None:
-    from build123d import Box, import_step
-
-    box = v3dcad.fill(Box(10, 10, 10), layer_height=5.0, sites=4)
+    box = v3dcad.fill(Box(10, 10, 10), layer_height=5.0, cell_size=4.0)
     vertices = np.array([[x, y, z] for x in (0, 9.0) for y in (0, 9.0) for z in (0, 9.0)])
     faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)]
     faces += [(2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
-    cube = v3dcad.fill((vertices, np.array(faces)), layer_height=4.5, sites=4)
-    again = v3dcad.fill(import_step(samples / "pyramid.step"), layer_height=25.0, sites=4)
+    cube = v3dcad.fill((vertices, np.array(faces)), layer_height=4.5, cell_size=4.0)
+    again = v3dcad.fill(import_step(samples / "pyramid.step"), layer_height=25.0, cell_size=4.0)
     for structure, side in ((box, 10), (cube, 9), (again, 67)):
         assert area_of(next(iter(structure.layers))).area == pytest.approx(side**2, rel=1e-4)
 
 
-def test_sites_may_be_given(samples: Path) -> None:
+def test_sites_of_a_plane_are_columns(samples: Path) -> None:
     places = [(-5.0, -5.0), (5.0, 5.0), (0.0, 8.0)]
     structure = v3dcad.fill(samples / "cone.step", layer_height=10.0, sites=places)
-    assert structure.sites == pytest.approx(np.array(places), abs=3e-6), "snapped to the grid"
+    expected = np.column_stack([places, np.zeros(3)])
+    assert structure.sites == pytest.approx(expected, abs=3e-6), "snapped to the grid"
+    assert structure.settings.stretch == "columns"
+    pairs = [sorted(layer.diagram.neighbours.tolist()) for layer in structure.layers]
+    assert pairs == [[[0, 1], [0, 2], [1, 2]]] * 3
+
+
+def test_sites_in_space_need_a_stretch(samples: Path) -> None:
+    """Two sites, which once were silently read as three pairs: a wall upright between them."""
+    places = [(0, 0, 0), (5, 5, 0)]
+    with pytest.raises(v3dcad.SettingError, match="sites in space need a number") as caught:
+        v3dcad.fill(samples / "cone.step", layer_height=10.0, sites=places)
+    assert caught.value.name == "stretch"
+    structure = v3dcad.fill(samples / "cone.step", layer_height=10.0, sites=places, stretch=1.5)
+    assert structure.sites == pytest.approx(np.array(places), abs=3e-6)
+    for layer in structure.layers:
+        assert layer.diagram.neighbours.tolist() == [[0, 1]]
+        wall = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
+        assert wall.sum(axis=2) == pytest.approx(5.0, abs=1e-5)
+
+
+def test_walls_that_lean_too_much_are_refused(samples: Path) -> None:
+    places = [(0, 0, 0), (4, 0, 3), (0, 9, 5)]
+    fill = {"layer_height": 10.0, "sites": places}
+    with pytest.raises(v3dcad.SettingError, match=r"sites 0 and 1 leans 36\.87°, more") as e:
+        v3dcad.fill(samples / "cone.step", **fill, stretch=1, max_overhang=30)
+    assert e.value.name == "max_overhang"
+    for allowed in ({"stretch": 1.2}, {"stretch": 1, "max_overhang": 40}):
+        v3dcad.fill(samples / "cone.step", **fill, **{"max_overhang": 30, **allowed})
+    flat = {"layer_height": 10.0, "sites": [(0, 0, 5), (0, 0, 20)], "stretch": 1}
+    with pytest.raises(v3dcad.SettingError, match=r"leans 90°, more than 80°"):
+        v3dcad.fill(samples / "cone.step", **flat, max_overhang=80)
+    taken = v3dcad.fill(samples / "cone.step", **flat, max_overhang=90)
+    assert [layer.diagram.sites().tolist() for layer in taken.layers] == [[0], [0], [1]]
 
 
 def test_mistakes_in_a_call_are_named(samples: Path) -> None:
@@ -265,3 +294,65 @@ def test_mistakes_in_a_call_are_named(samples: Path) -> None:
         v3dcad.fill({})
     with pytest.raises(v3dcad.SettingError, match="all sites lie outside"):
         v3dcad.fill(samples / "cone.step", sites=[(90.0, 0.0)])
+    for sites in ([1, 2, 3], [(1, 2), (3, 4, 5)], [(1, 2, 3, 4)], [], "12", [("a", "b")]):
+        with pytest.raises(v3dcad.SettingError, match="give rows of x, y, z, or of x, y for col"):
+            v3dcad.fill(samples / "cone.step", sites=sites)
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [
+        ({"sites": 40}, "sites"),
+        ({"offset": "auto"}, "offset"),
+        ({"weight_step": 1.0}, "weight_step"),
+        ({"boundary_tolerance": 0.1}, "boundary_tolerance"),
+        ({"method": "thesis", "cell_size": "auto"}, "cell_size"),
+        ({"method": "thesis", "stretch": "columns"}, "stretch"),
+    ],
+)
+def test_a_setting_of_the_other_method_is_refused(
+    settings: dict[str, object], name: str, samples: Path
+) -> None:
+    """Even where it is given as its default."""
+    own = "foam" if "method" in settings else "thesis"
+    says = f"--{name.replace('_', '-')} is a setting of --method {own}, not of "
+    with pytest.raises(v3dcad.SettingError, match=says) as caught:
+        v3dcad.fill(samples / "cone.step", **settings)
+    assert caught.value.name == name
+
+
+def test_settings_say_what_auto_stood_for(samples: Path) -> None:
+    filled = {
+        limit: v3dcad.fill(samples / "cone.step", layer_height=10.0, max_overhang=limit).settings
+        for limit in (30.0, 45.0, 80.0, 90.0)
+    }
+    for limit, settings in filled.items():
+        least = max(1.0, 1.25 / math.tan(math.radians(min(limit, 89.9))))
+        assert settings.stretch == pytest.approx(least)
+        assert settings.cell_size == pytest.approx(40 / math.sqrt(40))
+    for size, expected in (((60, 40, 9), math.sqrt(60)), ((200, 200, 9), 15), ((9, 9, 9), 3)):
+        made = v3dcad.fill(Box(*size), layer_height=3.0)
+        assert made.settings.cell_size == pytest.approx(expected)
+    tiny = v3dcad.fill(Box(1, 1, 2), layer_height=0.5)
+    assert tiny.settings.cell_size == pytest.approx(1), "at most as wide as the part"
+
+
+def test_what_sites_weigh(bracket: Structure) -> None:
+    """The slice law: squared distance in the stretched space, less what is common to all."""
+    stretch = bracket.settings.stretch
+    assert isinstance(stretch, float)
+    for layer in bracket.layers:
+        x, y, z = layer.state.sites.T
+        assert layer.state.growth == pytest.approx(2 * z / stretch**2, rel=1e-9)
+        expected = (2 * layer.z * z - z * z) / stretch**2
+        assert layer.state.weights == pytest.approx(expected, rel=1e-6, abs=1e-3)
+        ends = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
+        middle = ends.mean(axis=1)
+        beside = layer.diagram.edge_sites[layer.diagram.inner()]
+        far = [
+            (middle[:, 0] - x[k]) ** 2
+            + (middle[:, 1] - y[k]) ** 2
+            + ((layer.z - z[k]) / stretch) ** 2
+            for k in beside.T
+        ]
+        assert far[0] == pytest.approx(far[1], abs=1e-4)

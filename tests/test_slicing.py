@@ -130,8 +130,8 @@ def test_an_executor_changes_nothing(name: str, samples: Path) -> None:
             assert one.z == other.z
             assert one.runs == other.runs
             assert all(map(np.array_equal, one.rings, other.rings))
-        filled = v3dcad.fill(samples / name, layer_height=3, sites=5, executor=threads)
-    plain = v3dcad.fill(samples / name, layer_height=3, sites=5)
+        filled = v3dcad.fill(samples / name, layer_height=3, cell_size=12, executor=threads)
+    plain = v3dcad.fill(samples / name, layer_height=3, cell_size=12)
     for a, b in zip(filled.layers, plain.layers, strict=True):
         assert np.array_equal(a.diagram.vertices, b.diagram.vertices)
 
@@ -172,7 +172,7 @@ def test_structure_and_sections_go_back_to_where_the_source_lies(
 
     part = v3dcad.part_from(samples / "bracket.step")
     placed = v3dcad.place_on_bed(part, up="x", rotate=(0, 0, 33))
-    structure = v3dcad.fill(placed, layer_height=2, sites=10)
+    structure = v3dcad.fill(placed, layer_height=2, cell_size=10)
     structure.write_step(tmp_path / "walls.step")
     v3dcad.section(placed, layer_height=2).write_step(tmp_path / "sections.step")
     for name in ("walls.step", "sections.step"):

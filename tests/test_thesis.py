@@ -46,11 +46,11 @@ def test_every_file_can_be_written_of_it(samples: Path, tmp_path: Path) -> None:
         assert row["area_per_cell_mm2"] == layer.area_per_cell
 
 
-def test_what_only_the_continuous_method_has_is_refused(samples: Path) -> None:
+def test_what_only_a_foam_has_is_refused(samples: Path) -> None:
     structure = v3dcad.fill(
         samples / "pyramid.stl", method="thesis", layer_height=10, offset=0.5, sites=9
     )
-    with pytest.raises(v3dcad.SettingError, match="no walls; take the continuous method"):
+    with pytest.raises(v3dcad.SettingError, match="no walls; take --method foam"):
         structure.walls  # noqa: B018
     with pytest.raises(v3dcad.SettingError, match="no strut axes"):
         structure.strut_axes  # noqa: B018
@@ -81,13 +81,13 @@ def test_what_cannot_be_interpolated_is_refused(
 
 
 def test_a_method_that_does_not_exist(samples: Path, tmp_path: Path) -> None:
-    with pytest.raises(v3dcad.SettingError, match="give continuous or thesis") as caught:
+    with pytest.raises(v3dcad.SettingError, match="give foam or thesis") as caught:
         v3dcad.fill(samples / "pyramid.stl", method="thesi")
     assert caught.value.name == "method"
     done = run("fill", samples / "pyramid.stl", "--method", "thesi", "--out", tmp_path / "out")
     assert done.returncode == 2
     assert "thesi" in done.stderr
-    assert "continuous" in done.stderr
+    assert "give foam or thesis" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
@@ -105,8 +105,22 @@ def test_its_settings_have_their_ranges(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    said = mistake(capsys, "fill", samples / "pyramid.stl", "--out", tmp_path / "out", *words)
-    assert says in said
+    fill = ("fill", samples / "pyramid.stl", "--method", "thesis", "--out", tmp_path / "out")
+    assert says in mistake(capsys, *fill, *words)
+
+
+def test_it_takes_sites_of_a_plane(samples: Path) -> None:
+    with pytest.raises(v3dcad.SettingError, match="rows of x, y") as caught:
+        v3dcad.fill(samples / "pyramid.stl", method="thesis", sites=[(0, 0, 0), (5, 5, 0)])
+    assert caught.value.name == "sites"
+
+
+def test_as_many_sites_as_are_asked_for(samples: Path) -> None:
+    structure = v3dcad.fill(
+        samples / "pyramid.stl", method="thesis", layer_height=5, sites=40, offset=0.2
+    )
+    assert structure.sites.shape == (40, 2)
+    assert structure.settings.offset == 0.2
 
 
 def test_the_published_cases(samples: Path, tmp_path: Path) -> None:

@@ -87,7 +87,7 @@ class Forms(Protocol):
     def cells_by_site(self) -> dict[int, list[Any]]:
         """The cells of each site, sites ascending; pieces that the part leaves of one from below.
 
-        Sites are numbered as in `sites`, those born on the way up after them.
+        Sites are numbered as in `sites`.
         """
         from v3dcad.kernel.cells import cut_cells
 

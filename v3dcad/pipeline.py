@@ -21,7 +21,9 @@ from v3dcad.recipes import (
     boundary_form,
     boundary_of,
     changed,
+    check_fits_sites,
     explicit_sites,
+    in_space,
     known_settings,
     part_of,
     read_ont,
@@ -130,12 +132,10 @@ class Structure(Forms):
         if sites is None and form == "stl" and self.settings.method == "thesis":
             rectangle, settings = self.part.bounds[:, :2], self.settings
             sites = scatter_sites(rectangle, settings.sites, settings.random_seed)
-        if sites is not None and sites.shape[1] == 2:
-            sites = np.column_stack([sites, np.zeros(len(sites))])
         return Recipe(
             name=self.part.name,
             settings=self.settings,
-            sites=sites,
+            sites=None if sites is None else in_space(sites),
             boundary=boundary_of(self.part),
             placement=self.placement,
             checksum=self.checksum(),
@@ -228,6 +228,8 @@ def build(
     settings say. An executor computes several sections at a time. Raises `SettingError` where
     settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
+    if sites is not None:
+        check_fits_sites(settings, sites)
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
     placement = part.placement
     rectangle = part.bounds[:, :2]

@@ -57,11 +57,14 @@ def read_ont(path: str | Path) -> Recipe:
 
 
 def known_settings(chosen: dict[str, Any]) -> FillSettings:
-    """The settings of a call; `SettingError` for a name that is none."""
+    """The settings of a call; `SettingError` for a name that is none, or another method's."""
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
             raise SettingError(name, f"there is no setting {name!r}")
-    return FillSettings(**chosen)
+    settings = FillSettings(**chosen)
+    for name in chosen:
+        FillSettings.refuse_other(name, settings.method)
+    return settings
 
 
 def explicit_sites(sites: Any) -> Floats:
@@ -89,33 +92,65 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     """The recipe of another structure, which has no check sum yet.
 
     Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
-    (n, 3) take their place.
+    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites.
     """
-    kept = recipe.sites
-    usual = FillSettings.__dataclass_fields__
-    before = {name: getattr(recipe.settings, name) for name in usual}
+    kept = sites_of(recipe)
     method = settings.get("method", recipe.settings.method)
-    if method != recipe.settings.method:
-        kept = None
-        before = {name: value for name, value in before.items() if not declared_for_one(name)}
+    same = method == recipe.settings.method
+    kept = kept if same else None
+    before = {
+        name: getattr(recipe.settings, name)
+        for name in FillSettings.__dataclass_fields__
+        if declared(FillSettings, name).method in ((None, method) if same else (None,))
+    }
+    before["method"] = method
     if isinstance(sites, int):
         kept, settings = None, {**settings, "sites": sites}
     elif sites is not None:
         kept = explicit_sites(sites)
         if method == "thesis":
-            settings = {**settings, "sites": len(kept)}
-        if kept.shape[1] == 2:
-            kept = np.column_stack([kept, np.zeros(len(kept))])
+            before["sites"] = len(kept)
+        else:
+            before["cell_size"] = before["stretch"] = "auto"
     elif {"random_seed", "cell_size"} & settings.keys():
         kept = None
-    return replace(
-        recipe, settings=known_settings({**before, **settings}), sites=kept, checksum=None
-    )
+    chosen = known_settings({**before, **settings})
+    if kept is not None:
+        check_fits_sites(chosen, kept)
+        if kept.shape[1] == 2:
+            chosen = chosen if method == "thesis" else replace(chosen, stretch="columns")
+            kept = in_space(kept)
+    return replace(recipe, settings=chosen, sites=kept, checksum=None)
 
 
-def declared_for_one(name: str) -> bool:
-    """Whether a setting belongs to one method only."""
-    return declared(FillSettings, name).method is not None
+def in_space(sites: Floats) -> Floats:
+    """Sites as an `.ont` file lists them, (n, 3); those of a plane lie at height 0."""
+    if sites.shape[1] == 3:
+        return sites
+    return np.column_stack([sites, np.zeros(len(sites))])
+
+
+def check_fits_sites(settings: FillSettings, sites: Floats) -> None:
+    """Raise `SettingError` where sites (n, 2) or (n, 3) are given and settings do not fit them."""
+    in_plane = sites.shape[1] == 2
+    if settings.method == "thesis":
+        if not in_plane:
+            raise SettingError("sites", "--method thesis takes sites as rows of x, y")
+        return
+    if settings.cell_size != "auto":
+        raise SettingError(
+            "cell_size", f"--cell-size {settings.cell_size}: sites are given, which say where the "
+            "cells are; leave one of the two out",
+        )  # fmt: skip
+    if in_plane and not isinstance(settings.stretch, str):
+        raise SettingError(
+            "stretch", f"--stretch {settings.stretch:g}: sites of x, y are columns; give their z, "
+            "or leave it out",
+        )  # fmt: skip
+    if not in_plane and isinstance(settings.stretch, str):
+        raise SettingError(
+            "stretch", f"--stretch {settings.stretch}: sites in space need a number; give it"
+        )
 
 
 def told(recipe: Recipe) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -10,12 +11,19 @@ from typing import Any
 import numpy as np
 
 from v3dcad.formats.gcode.blocks import Totals
-from v3dcad.model import Layer, Part
+from v3dcad.geometry.voronoi.cells import voronoi_cells
+from v3dcad.geometry.voronoi.measures import extents
+from v3dcad.model import Diagram, Floats, Ints, Layer, Part
 from v3dcad.settings import FillSettings
 from v3dcad.structure.fill import Filling
+from v3dcad.structure.foam.sites import FoamSites
+from v3dcad.structure.foam.space import steepest_in, tilt
 from v3dcad.structure.overhang import Overhang
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.toolpath.report import LayerReport
+
+MEASURED = 1000
+"""How many cells are measured to say how tall they are; more would not change the mean."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -39,7 +47,18 @@ def report(
 
     `certificate` is for beads of `bead_width`, mm; `printed` is what writing G-code told.
     """
-    rows = [_row(layer) for layer in layers]
+    rows = []
+    has_cell = np.zeros(0, np.bool_)
+    area = corners = 0.0
+    for layer in layers:
+        rows.append(_row(layer))
+        sites = layer.diagram.sites()
+        beyond = sites.max(initial=-1) + 1 - len(has_cell)
+        has_cell = np.append(has_cell, np.zeros(max(int(beyond), 0), np.bool_))
+        has_cell[sites] = True
+        area += _area(layer.diagram)
+        corners += _corners(layer.diagram)
+    cells = np.flatnonzero(has_cell)
     for name in ("wall_tilt", "strut_tilt", "distance", "unsupported", "outside"):
         for row, value in zip(rows, getattr(certificate, name).tolist(), strict=True):
             row[name] = value
@@ -51,11 +70,16 @@ def report(
             name: getattr(filling.settings, name) for name in FillSettings.__dataclass_fields__
         },
         "layers": len(rows),
-        "cells": max((row["cells"] for row in rows), default=0),
+        "cells": len(cells),
+        "most_cells_in_a_layer": max((row["cells"] for row in rows), default=0),
         "walls": sum(row["walls"] for row in rows),
         "wall_length_mm": sum(row["wall_length_mm"] for row in rows),
         "contour_length_mm": sum(row["contour_length_mm"] for row in rows),
-        **(_insertions(filling) if isinstance(filling, ThesisFilling) else {}),
+        **(
+            _insertions(filling)
+            if isinstance(filling, ThesisFilling)
+            else {"foam": _foam(filling, part.bounds, cells, area, corners)}
+        ),
         "overhang": {
             "bead_width_mm": bead_width,
             "largest_wall_tilt_deg": float(certificate.wall_tilt.max(initial=0)),
@@ -82,6 +106,56 @@ def _insertions(filling: ThesisFilling) -> dict[str, Any]:
         "births": [{"layer": layer, "site": site} for layer, site in births],
         "layers_without_candidate": filling.unanswered.tolist(),
     }
+
+
+def _foam(
+    filling: Filling, box: Floats, cells: Ints, area: float, corners: float
+) -> dict[str, Any]:
+    """A foam's cells (c,) in the part's box (2, 3): size, shape and steepest wall.
+
+    `area`, mm², is that of all sections, `corners` what `_corners` counts in them. Where three
+    walls meet in each corner, a plane has half as many cells as corners; and corners, unlike cells,
+    are not cut by contours. Sites that are given ask for no cell size, and columns have no height.
+    """
+    foam, settings = filling.foam, filling.settings
+    asked = None if isinstance(settings.cell_size, str) else settings.cell_size
+    in_space = asked is not None and settings.stretch != "columns"
+    wall = steepest_in(foam, *box)
+    upright = wall.rise == 0
+    return {
+        "sites": len(foam.places),
+        "cell_size_asked_mm": asked,
+        "cell_size_made_mm": math.sqrt(area / corners) if corners else None,
+        "height_by_width": _height_by_width(foam, cells) if in_space else None,
+        "steepest_wall": {
+            "tilt_deg": 0.0 if upright else tilt(wall, foam.stretch),
+            "sites": [] if upright else list(wall.sites),
+        },
+    }
+
+
+def _height_by_width(foam: FoamSites, cells: Ints) -> float | None:
+    """How tall cells (c,) are by their mean width in x and y, on average; whole, not as cut."""
+    if not len(cells):
+        return None
+    some = cells[np.linspace(0, len(cells) - 1, min(MEASURED, len(cells))).astype(np.int64)]
+    low, high = extents(voronoi_cells(foam.places.astype(np.float64), some))
+    x, y, z = (high - low).T
+    return float(np.mean(2 * foam.stretch * z / (x + y)))
+
+
+def _area(diagram: Diagram) -> float:
+    """The area of a section, mm², by Green's theorem over its boundary."""
+    a, b = np.moveaxis(diagram.vertices[diagram.edges[~diagram.inner()]], 1, 0)
+    return float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2)
+
+
+def _corners(diagram: Diagram) -> float:
+    """Half the number of corners inside a section; those of more than three walls count more."""
+    walls = np.bincount(diagram.edges.ravel(), minlength=len(diagram.vertices))
+    on_contour = np.zeros(len(diagram.vertices), np.bool_)
+    on_contour[diagram.edges[~diagram.inner()]] = True
+    return float((walls[~on_contour] / 2 - 1).sum())
 
 
 def _row(layer: Layer) -> dict[str, Any]:
@@ -114,3 +188,21 @@ def certificate_line(overhang: dict[str, float]) -> str:
         f"walls lean up to {overhang['largest_wall_tilt_deg']:.1f}°{lean}, and rest within "
         f"{overhang['largest_distance_mm']:.3f} mm: {support}{part}"
     )
+
+
+def foam_lines(foam: dict[str, Any]) -> dict[str, str]:
+    """A foam's size, shape and steepest wall, as lines to show."""
+    asked, made, tall = (
+        foam[name] for name in ("cell_size_asked_mm", "cell_size_made_mm", "height_by_width")
+    )
+    size = [
+        *([] if asked is None else [f"{asked:.4g} mm asked"]),
+        *([] if made is None else [f"{made:.4g} mm made"]),
+        *([] if tall is None else [f"cells {tall:.2f} times as tall as wide"]),
+    ]
+    wall = foam["steepest_wall"]
+    steepest = "every wall is upright"
+    if wall["sites"]:
+        i, j = wall["sites"]
+        steepest = f"wall between sites {i} and {j}, {wall['tilt_deg']:.2f}° (certified)"
+    return {**({"cell size": ", ".join(size)} if size else {}), "steepest": steepest}

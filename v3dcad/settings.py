@@ -198,13 +198,19 @@ class FillSettings(SectionSettings):
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
         for name, field in FillSettings.__dataclass_fields__.items():
-            method = declared(FillSettings, name).method
-            if method not in (None, self.method) and getattr(self, name) != field.default:
-                raise SettingError(
-                    name,
-                    f"{option(name)} is a setting of --method {method}, not of {self.method}: "
-                    "leave it out, or choose that method",
-                )
+            if getattr(self, name) != field.default:
+                self.refuse_other(name, self.method)
+
+    @staticmethod
+    def refuse_other(name: str, method: str) -> None:
+        """Raise `SettingError` for a setting that belongs to another method."""
+        own = declared(FillSettings, name).method
+        if own not in (None, method):
+            raise SettingError(
+                name,
+                f"{option(name)} is a setting of --method {own}, not of {method}: leave it out, or "
+                "choose that method",
+            )
 
 
 START = """\

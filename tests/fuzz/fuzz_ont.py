@@ -53,12 +53,12 @@ def seeds() -> list[bytes]:
     """Good files of every form, from which the fuzzer starts."""
     sites = np.array([[0.1, 0.2, 0.0], [1 / 3, 1e-17, 0.0]])
     checksum = Checksum(
-        layers=1, births=0, walls=2, sites="0" * 8, weights="1" * 8, topology="2" * 8,
+        layers=1, cells=2, walls=2, sites="0" * 8, weights="1" * 8, topology="2" * 8,
         sha256="ab" * 32,
     )  # fmt: skip
     recipe = Recipe(
         name="x",
-        settings=FillSettings(sites=2),
+        settings=FillSettings(method="thesis", offset=0.1, sites=2),
         sites=sites,
         boundary=MESH,
         placement=Placement(np.eye(3), np.array([1.0, 2.0, 3.0])),
@@ -67,7 +67,7 @@ def seeds() -> list[bytes]:
     )
     solid = Recipe(
         name="x",
-        settings=FillSettings(),
+        settings=FillSettings(cell_size=4.0, stretch=1.25),
         sites=None,
         boundary=BREP,
         placement=Placement.none(),

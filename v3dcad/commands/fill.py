@@ -160,9 +160,8 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
         [
             ("part", f"{summary['part']}, {width:.6g} × {depth:.6g} × {height:.6g} mm"),
             ("layers", f"{summary['layers']}"),
-            ("cells", f"{summary['cells']}"),
-            ("walls", f"{summary['walls']}"),
-            ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m"),
+            ("cells", f"{summary['cells']}, at most {summary['most_cells_in_a_layer']} in a layer"),
+            ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m in all layers"),
             *_method_rows(summary),
             ("overhang", certificate_line(summary["overhang"])),
             *_print_rows(summary.get("print")),
@@ -174,15 +173,14 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
 
 
 def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    settings = summary["settings"]
-    if settings["method"] == "thesis":
-        return [
-            ("births", f"{len(summary['births'])}"),
-            ("offset", f"{settings['offset']:.6g} mm² a layer"),
-        ]
-    size, stretch = settings["cell_size"], settings["stretch"]
-    shape = stretch if isinstance(stretch, str) else f"stretched {stretch:.4g} times"
-    return [("foam", shape if isinstance(size, str) else f"cells of {size:.4g} mm, {shape}")]
+    from v3dcad.report import foam_lines
+
+    if "foam" in summary:
+        return list(foam_lines(summary["foam"]).items())
+    return [
+        ("births", f"{len(summary['births'])}"),
+        ("offset", f"{summary['settings']['offset']:.6g} mm² a layer"),
+    ]
 
 
 def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:

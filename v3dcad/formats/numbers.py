@@ -19,7 +19,7 @@ _WHOLE = re.compile(NUMBER)
 
 def number_text(value: float) -> str:
     """The shortest decimal that reads back to the same bits, without a trailing `.0`."""
-    return repr(value).removesuffix(".0")
+    return repr(float(value)).removesuffix(".0")
 
 
 def matched_number(word: str) -> float:

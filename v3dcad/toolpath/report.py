@@ -89,8 +89,8 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
         )
         more = f" and {len(narrow) - MOST_NAMED} more" if len(narrow) > MOST_NAMED else ""
         found.append(
-            f"the bead is wider than twice the gap of {named}{more}: they print solid; "
-            "use a narrower bead, fewer sites or less offset"
+            f"the bead is wider than twice the gap of {named}{more}: they print solid "
+            "there; use a narrower bead or larger cells"
         )
     if unreached:
         found.append(

@@ -27,6 +27,13 @@ pytestmark = pytest.mark.slow
 STL = ont_text(recipe(), "stl")
 MESH = ont_text(recipe(), "exact")
 BREP_TEXT = ont_text(recipe(BREP, None, sites=12, shift=(1.5, -2.25, 1e-17)), "exact")
+LIFTED = SITES + np.array([0, 0, 4.25])
+FOAM = {"method": "foam", "offset": "auto", "stretch": 1.25}
+UNIFORM = ont_text(recipe(BREP, None, **FOAM, cell_size=6.5), "exact")
+UNIFORM_STL = ont_text(recipe(places=None, **FOAM, cell_size=6.5), "stl")
+IN_SPACE = ont_text(recipe(places=LIFTED, **FOAM), "exact")
+COLUMNS = ont_text(recipe(**FOAM | {"stretch": "columns"}), "stl")
+FOAMS = [UNIFORM, UNIFORM_STL, IN_SPACE, COLUMNS]
 
 FIGURE_3_20 = """\
 [OFFSET_VALUE]
@@ -77,7 +84,7 @@ def assert_same(one: Recipe, other: Recipe) -> None:
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
 def test_the_figure_of_the_thesis_is_read(ends: str, mark: str) -> None:
     found = read(mark + FIGURE_3_20.replace("\n", ends))
-    assert found.settings == FillSettings(offset=0.1, layer_height=0.15, sites=3)
+    assert found.settings == FillSettings(method="thesis", offset=0.1, layer_height=0.15, sites=3)
     assert found.sites is not None
     assert found.sites.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
     assert isinstance(found.boundary, Mesh)
@@ -115,7 +122,7 @@ def _upper(match: re.Match[str]) -> str:
     return match[0].upper()
 
 
-@pytest.mark.parametrize("text", [STL, MESH, BREP_TEXT])
+@pytest.mark.parametrize("text", [STL, MESH, BREP_TEXT, *FOAMS])
 def test_what_is_written_comes_back_byte_for_byte(text: str) -> None:
     form = "stl" if "solid" in text else "exact"
     assert ont_text(read(text), form) == text
@@ -157,7 +164,7 @@ def test_the_thesis_reads_what_we_write() -> None:
     assert mesh == TETRAHEDRON.vertices[TETRAHEDRON.triangles].reshape(-1, 3).tolist()
 
 
-@pytest.mark.parametrize("text", [STL, MESH, BREP_TEXT])
+@pytest.mark.parametrize("text", [STL, MESH, BREP_TEXT, *FOAMS])
 def test_no_line_of_ours_is_taken_for_a_solid(text: str) -> None:
     """Whatever the packed bytes are: their lines begin with a mark."""
     ours = text[text.index("[V3DCAD]") :].splitlines()
@@ -165,29 +172,64 @@ def test_no_line_of_ours_is_taken_for_a_solid(text: str) -> None:
     assert all(re.fullmatch(r"\[\w+\]|\w+ = .*|:[^/\[]+", line) for line in ours)
 
 
-def test_only_settings_that_differ_are_written_and_the_random_seed() -> None:
-    text = ont_text(recipe(BREP, None, random_seed=0), "exact")
-    assert "[SETTINGS]\nrandom_seed = 0\n[BOUNDARY]" in text
+@given(
+    st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 3), min_size=1, max_size=9),
+    st.floats(1e-3, 1e3),
+    st.floats(1, 100),
+    st.floats(10, 80),
+)
+def test_every_number_of_a_foam_comes_back(
+    sites: list[tuple[float, float, float]], size: float, stretch: float, limit: float
+) -> None:
+    known = {"method": "foam", "stretch": stretch, "max_overhang": limit}
+    uniform = recipe(places=None, **known, cell_size=size)
+    for foam in (recipe(places=np.array(sites), **known), uniform):
+        for form in ("stl", "exact"):
+            assert_same(read(ont_text(foam, form)), foam)
+
+
+def test_a_foam_lists_the_sites_that_were_given_and_no_others() -> None:
+    for text, sites in (
+        (UNIFORM, None),
+        (UNIFORM_STL, None),
+        (IN_SPACE, LIFTED),
+        (COLUMNS, SITES),
+    ):
+        assert text.startswith("[OFFSET_VALUE]\n0\n"), "readers of the thesis's form expect it"
+        assert ("VORONOI_SEED_COORDINATES" in text) == (sites is not None)
+        found = read(text).sites
+        assert sites is found is None or np.array_equal(found, sites)
+
+
+def test_what_a_foam_s_settings_look_like() -> None:
+    ours = "method = {}\ncell_size = {}\nstretch = {}\nmax_overhang = 45\nrandom_seed = 7\n"
+    assert "[SETTINGS]\n" + ours.format("foam", "6.5", "1.25") + "[BOUNDARY]" in UNIFORM
+    assert ours.format("foam", "auto", "1.25") in IN_SPACE
+    assert ours.format("foam", "auto", "columns") in COLUMNS
+
+
+def test_of_the_thesis_s_settings_those_that_differ_are_written() -> None:
+    ours = "[SETTINGS]\nmethod = thesis\nmax_overhang = 45\nrandom_seed = {}\n{}[BOUNDARY]"
+    assert ours.format(0, "") in ont_text(recipe(BREP, None, random_seed=0), "exact")
     text = ont_text(recipe(BREP, None, insertion=False, sites=41), "exact")
-    assert "[SETTINGS]\nsites = 41\nrandom_seed = 7\ninsertion = false\n[" in text
+    assert ours.format(7, "sites = 41\ninsertion = false\n") in text
 
 
-def test_defaults_of_format_1() -> None:
+def test_defaults_of_format_2() -> None:
     """Files leave defaults out, so another default is another structure.
 
-    Where one must change, raise `FORMAT` and give `settings_from` the old ones for format 1.
+    Where one must change, raise `FORMAT` and give `settings_from` the old ones for format 2.
     """
-    assert ont.FORMAT == 1
+    assert ont.FORMAT == 2
     usual = FillSettings()
-    assert (usual.sites, usual.random_seed) == (40, 0)
-    assert (usual.insertion, usual.method) == (True, "continuous")
-    assert (usual.max_overhang, usual.interpolate) == (45, False)
+    assert (usual.sites, usual.insertion, usual.interpolate) == (40, True, False)
     assert (usual.boundary_tolerance, usual.weight_step) == (0.01, 0)
     assert (usual.chord_tolerance, usual.base_clearance) == (0.005, 0)
-    pinned = {"sites", "random_seed", "insertion", "method", "max_overhang", "interpolate"}
+    pinned = {"sites", "insertion", "interpolate", "boundary_tolerance", "weight_step"}
     pinned |= {"chord_tolerance", "base_clearance"}
-    pinned |= {"boundary_tolerance", "weight_step", *ont_settings.IN_OWN_SECTIONS}
-    assert set(FillSettings.__dataclass_fields__) == pinned, "pin the new setting's default here"
+    written = {*ont_settings.ALWAYS, *ont_settings.IN_OWN_SECTIONS}
+    known = set(FillSettings.__dataclass_fields__)
+    assert known == pinned | written, "pin the new setting's default here"
 
 
 def test_files_of_any_settings_are_told_apart_from_stray_bytes(tmp_path: Path) -> None:
@@ -222,7 +264,7 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
     ("text", "says"),
     [
         (b"", r"section \[OFFSET_VALUE\]: is missing"),
-        (STL.encode() + b"\xff", "line 54: not a text file in UTF-8"),
+        (STL.encode() + b"\xff", "line 56: not a text file in UTF-8"),
         ("hello", "line 1: not an .ont file: 'hello'"),
         (gzip.compress(b"x"), r"compressed \(gzip\)"),
         (lzma.compress(b"x"), r"compressed \(xz\)"),
@@ -231,9 +273,9 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(STL, "[LAYER_HEIGHT]", "[HEIGHT]"), r"section \[LAYER_HEIGHT\]: is missing"),
         (changed(STL, "[VORONOI_SEED", "[VORONOI"), r"\[VORONOI_SEED_COORDINATES\]: is missing"),
         (changed(STL, SOLID, ""), r"\[BREP_PART_STL\]: is missing"),
-        (STL + "[OFFSET_VALUE]\n1\n", r"line 54, section \[OFFSET_VALUE\]: is given twice"),
+        (STL + "[OFFSET_VALUE]\n1\n", r"line 56, section \[OFFSET_VALUE\]: is given twice"),
         (STL + SOLID, r"\[BREP_PART_STL\]: is given twice"),
-        (MESH + SOLID, r"line 15, section \[BOUNDARY\]: comes in addition to \[BREP_PART_STL\]"),
+        (MESH + SOLID, r"line 17, section \[BOUNDARY\]: comes in addition to \[BREP_PART_STL\]"),
         (changed(STL, "]\n0.15", "]\n0.15 mm"), r"line 4, section \[LAYER_HEIGHT\].*'0.15 mm'"),
         (changed(STL, "]\n0.15", "]\n0,15"), "decimal point, not a comma"),
         (changed(STL, "]\n0.15", "]\n-0.15"), "give a number above 0 mm"),
@@ -260,19 +302,31 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (re.sub("facet.*endfacet\n", "", STL, flags=re.S), "it contains no triangles"),
         (changed(STL, "[V3DCAD]\n", "[V3DCAD]\nfile = a.brep\n"), "`file` is unknown"),
         (changed(STL, "[V3DCAD]\n", "[V3DCAD]\na.brep\n"), "'a.brep' is not `key = value`"),
-        (changed(STL, "format = 1", "format = 2"), "format 2, this v3dcad reads up to 1; update"),
-        (changed(STL, "format = 1", "format = one"), "'one' is not a whole number"),
-        (changed(STL, "format = 1\n", ""), r"line 39, section \[V3DCAD\]: `format` is missing"),
-        (changed(STL, "format = 1\n", "format = 1\nformat = 1\n"), "`format` is given twice"),
+        (changed(STL, "format = 2", "format = 3"), "format 3, this v3dcad reads format 2; update"),
+        (changed(STL, "format = 2", "format = 1"), "format 1, of columns that grew.* fill the"),
+        (changed(STL, "format = 2", "format = one"), "'one' is not a whole number"),
+        (changed(STL, "format = 2\n", ""), r"line 39, section \[V3DCAD\]: `format` is missing"),
+        (changed(STL, "format = 2\n", "format = 2\nformat = 2\n"), "`format` is given twice"),
         (changed(STL, "v3dcad 1.2.3", "../../x"), "'../../x' is not a program's name and version"),
         (changed(STL, "units = mm", "units = inch"), "'inch' is unknown.*reads 'mm'"),
         (changed(STL, "[V3DCAD]", "[X]"), r"\[V3DCAD\]: is missing"),
         (changed(STL, "[SETTINGS]", "[X]"), r"\[SETTINGS\]: is missing"),
-        (changed(STL, "random_seed", "colour"), r"line 45.*the setting 'colour' is unknown"),
+        (changed(STL, "random_seed", "colour"), r"line 46.*the setting 'colour' is unknown"),
         (changed(STL, "random_seed = 7", "offset = 7"), "the setting 'offset' is unknown"),
         (changed(STL, "random_seed = 7", "random_seed = -7"), "'-7' is not a value"),
         (changed(STL, "random_seed = 7", f"random_seed = {2**63}"), "--random-seed .* at most"),
-        (changed(STL, "random_seed = 7", "method = /bin/sh"), "'/bin/sh' is not a value"),
+        (changed(STL, "random_seed = 7", "method = /bin/sh"), "`method` is given twice"),
+        (changed(STL, "method = thesis", "method = /bin/sh"), "'/bin/sh' is not a value"),
+        (changed(STL, "method = thesis", "method = continuous"), "give foam or thesis"),
+        (changed(UNIFORM, "cell_size = 6.5", "cell_size = 0"), "--cell-size 0.* above 0 mm"),
+        (changed(UNIFORM, "cell_size = 6.5", "cell_size = big"), "give a number or auto"),
+        (changed(UNIFORM, "stretch = 1.25", "stretch = 0.5"), "--stretch 0.5.* at least 1"),
+        (
+            changed(UNIFORM, "max_overhang = 45", "max_overhang = 85"),
+            "--max-overhang 85.* at most",
+        ),
+        (changed(UNIFORM, "method = foam", "method = thesis"), "cell-size is a setting of .* foam"),
+        (changed(UNIFORM, "random_seed", "sites"), "--sites is a setting of --method thesis"),
         (changed(STL, "random_seed = 7", "insertion = yes"), "'yes' is not a value"),
         (changed(STL, "sites = 2", "sites = 10000000"), "10000000.*at most 200000"),
         (changed(STL, "sites = 2", "sites = 100000"), "states 100000 sites, but 2 are listed"),
@@ -324,11 +378,11 @@ def test_too_long_a_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_this_form_of_boundary_needs_triangles_and_sites() -> None:
     for unfit in (recipe(BREP), replace(recipe(), sites=None)):
-        with pytest.raises(ValueError, match="needs triangles and a list of sites"):
+        with pytest.raises(ValueError, match="needs triangles, and the thesis's method a"):
             ont_text(unfit, "stl")
 
 
-GOOD = [text.encode() for text in (STL, MESH, BREP_TEXT, FIGURE_3_20)]
+GOOD = [text.encode() for text in (STL, MESH, BREP_TEXT, *FOAMS, FIGURE_3_20)]
 
 
 @st.composite

@@ -90,8 +90,6 @@ def recipe_in(data: bytes, path: str) -> Recipe:
     if exact and PART in sections:
         raise sections[BOUNDARY].error(f"comes in addition to [{PART}]; keep only one boundary")
     ours = exact or any(name in sections for name in (OURS, SETTINGS, CHECKSUM))
-    if sites is None and not ours:
-        raise FormatError("is missing; the file is not whole", path=path, section=SITES)
     software, placement = "", Placement.none()
     announced: dict[str, Field] = {}
     if ours:
@@ -99,6 +97,8 @@ def recipe_in(data: bytes, path: str) -> Recipe:
         announced = _whole(_section(sections, SETTINGS, path)).rest()
     count = None if sites is None else len(sites)
     settings = settings_from(announced, offset, layer_height, count)
+    if sites is None and not exact and settings.method == "thesis":
+        raise FormatError("is missing; the file is not whole", path=path, section=SITES)
     checksum = _checksum(sections[CHECKSUM]) if CHECKSUM in sections else None
     boundary = _exact(sections[BOUNDARY]) if exact else _triangles(_section(sections, PART, path))
     return Recipe(

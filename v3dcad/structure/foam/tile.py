@@ -121,7 +121,8 @@ def tiles() -> tuple[Tile, ...]:
 
 def stretch_for(max_overhang: float) -> float:
     """The least stretch at which no wall of the tiles leans more than an angle, degrees."""
-    return max(1.0, sqrt(TAU_SQUARED) / float(np.tan(np.radians(max_overhang))))
+    # Rounded, so that 45° is 1.25 and not the next number.
+    return max(1.0, round(sqrt(TAU_SQUARED) / float(np.tan(np.radians(max_overhang))), 12))
 
 
 def pattern(cell_size: float, random_seed: int, frame: float) -> Pattern:
