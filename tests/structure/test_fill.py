@@ -276,6 +276,14 @@ def test_an_empty_section_is_an_empty_layer():
     assert layers[3].area_per_cell == 0
 
 
+def test_an_island_may_be_in_one_cell_and_then_in_another():
+    """No edge is crossed on either layer, and columns do not move."""
+    sites = np.array([[4.0, 4], [12, 4], [4, 12], [12, 12]])
+    sections = [Section(0.5 * k, (TINY + site,)) for k, site in enumerate(sites - 2)]
+    layers = list(foam(sections, sites).layers)
+    assert [layer.diagram.sites().tolist() for layer in layers] == [[0], [1], [2], [3]]
+
+
 @pytest.mark.parametrize("name", sorted(SECTIONS))
 def test_layers_are_what_qhull_and_geos_make_of_them(name):
     """The slow side of benchmarks/engine.py does the engine's work."""

@@ -69,7 +69,7 @@ def test_walls_end_at_the_base_rectangle_and_at_the_first_and_last_layer(name: s
     points = filling.walls.points
     np.testing.assert_allclose(points.min(axis=0), low, atol=1e-9)
     np.testing.assert_allclose(points.max(axis=0), high, atol=1e-9)
-    facets = filling.facets(high[2] + 0.5)
+    facets = filling.facets(np.array([low, [*high[:2], high[2] + 0.5]]))
     assert facets.points[:, 2].max() == pytest.approx(high[2] + 0.5)
     below = set(map(tuple, filling.walls.sites.tolist()))
     assert len(below - set(map(tuple, facets.sites.tolist()))) < 0.02 * len(below)  # but slivers
@@ -108,14 +108,14 @@ def test_cells_have_the_volumes_of_scipys(name: str) -> None:
     filling = FILLINGS[name]
     stretch, top = filling.foam.stretch, filling.layers[-1].z
     diagram = Voronoi(filling.sites / [1, 1, stretch])
-    facets = filling.facets(top)
+    low, high = np.append(filling.box[0], 0.0), np.append(filling.box[2], top)
+    facets = filling.facets(np.array([low, high]))
     corners = facets.points[facets.corners]
     middles = np.add.reduceat(corners, facets.starts[:-1]) / np.diff(facets.starts)[:, None]
     swept = (facets.vectors() * middles).sum(axis=1) / 3
     volumes = np.zeros(len(filling.sites))
     np.add.at(volumes, facets.sites[:, 0], swept)
     np.add.at(volumes, facets.sites[:, 1], -swept)
-    low, high = np.append(filling.box[0], 0.0), np.append(filling.box[2], top)
     whole = 0
     for site, region in enumerate(diagram.point_region):
         names = diagram.regions[region]
@@ -132,7 +132,8 @@ def test_one_layer_has_no_walls_in_space() -> None:
     filling = fill_sections([Section(0.0, (SQUARE,))], None, FillSettings())
     assert isinstance(filling, Filling)
     assert len(filling.walls.tilts) == len(filling.strut_axes.sites) == 0
-    assert len(filling.facets(0.2)) > 10
+    box = np.array([np.append(filling.box[0], 0.0), np.append(filling.box[2], 0.2)])
+    assert len(filling.facets(box)) > 10
 
 
 def test_thousands_of_tall_columns_have_walls() -> None:

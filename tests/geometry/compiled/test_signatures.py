@@ -14,9 +14,8 @@ from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.geometry.compiled.records import Record
 from v3dcad.geometry.compiled.signatures import numba_type, signature_of
 
-ARRAYS = [
-    name for name in vars(arrays) if name[0].isupper() and name not in ("NDArray", "Annotated")
-]
+ARRAYS = [name for name in vars(arrays) if name.endswith(("Array", "Rows", "Stack"))]
+ARRAYS.remove("NDArray")
 DIMENSIONS = {"Array": 1, "Rows": 2, "Stack": 3}
 
 

@@ -108,7 +108,7 @@ def test_a_wedge_with_a_gap_is_cut_where_its_faces_meet(samples: Path) -> None:
         assert is_simple(section)
         (ring,) = section.rings
         assert ring_area(ring) == pytest.approx(20**2 * np.tan(np.radians(21)), rel=1e-9)
-    structure = v3dcad.fill(part, layer_height=2, sites=10)
+    structure = v3dcad.fill(part, layer_height=2)
     assert len(structure.layers) == 5
 
 
@@ -122,7 +122,7 @@ def test_a_real_part_with_gaps_can_be_filled() -> None:
             runs = [run for run in section.runs if run.ring == number]
             stops = [run.stop for run in runs]
             assert [0, *stops] == [*(run.start for run in runs), len(section.rings[number])]
-    structure = v3dcad.fill(part, layer_height=20, sites=10)
+    structure = v3dcad.fill(part, layer_height=20)
     for layer in structure.layers:
         cells = layer.diagram.areas(len(layer.state.sites)).sum()
         assert cells == pytest.approx(sum(map(ring_area, layer.section.rings)), rel=1e-9)

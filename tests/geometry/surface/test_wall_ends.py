@@ -26,7 +26,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_walls_end_on_the_true_surface(name: str):
-    structure = v3dcad.fill(SHAPES[name](), layer_height=2.3, sites=30, chord_tolerance=0.02)
+    structure = v3dcad.fill(SHAPES[name](), layer_height=2.3, cell_size=10, chord_tolerance=0.02)
     skin = compound(subshapes(structure.part.shape, FACE))
     off_before, off_after, ends = 0.0, 0.0, 0
     for layer in list(structure.layers)[1:]:
@@ -70,6 +70,6 @@ def away(point, z: float, skin) -> float:
 
 
 def test_layers_on_exact_curves_stay_as_they_are(samples):
-    structure = v3dcad.fill(samples / "cone.step", layer_height=10, sites=9)
+    structure = v3dcad.fill(samples / "cone.step", layer_height=10)
     for layer in structure.layers:
         assert structure.part.exact(layer) is layer

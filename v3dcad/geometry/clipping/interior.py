@@ -204,7 +204,7 @@ def settle_edges(mesh: Triangulation, cut: Cut, keys: Int32Array, count: int) ->
         other = triangles[triangle, ACROSS + i]
         if triangles[triangle, 0] != ABSENT and other > triangle:
             right, left = triangles[triangle, (i + 1) % 3], triangles[triangle, (i + 2) % 3]
-            whole = first_on[key] < 0 and inside[triangle] == 1 and inside[other] == 1
+            whole = first_on[key] < 0 and inside[triangle] == 1  # as is the one across
             if not whole and first_on[key] == UNLISTED and inside[triangle] != 0:
                 cut.crossed[cut.state.crossed], first_on[key] = key, UNCROSSED
                 cut.state.crossed += 1

@@ -34,11 +34,10 @@ def foam_for(
         return _given(low, high, np.asarray(sites, np.float64), settings)
     columns = settings.stretch == "columns"
     stretch = np.inf if columns else settled_stretch(settings)
-    flattened = (high - low) / np.array([1, 1, stretch])
     size = settings.cell_size
     if isinstance(size, str):
-        size = auto_cell_size(flattened)
-    refuse_larger(size, flattened)
+        size = auto_cell_size(high - low)
+    refuse_larger(size, (high - low) / np.array([1, 1, stretch]))
     if columns:
         foam = _columns(low, high, size, settings.random_seed)
         return foam, replace(settings, cell_size=size)
@@ -47,9 +46,9 @@ def foam_for(
 
 
 def auto_cell_size(size: Floats) -> float:
-    """The cell size, mm, that nobody gave for a part of a size (3,), mm, in the stretched space."""
+    """The cell size, mm, that nobody gave, for a part of a size (3,), mm."""
     even = max(float(np.sqrt(size[0] * size[1] / CELLS)), LEAST)
-    return min(even, MOST, float(size.max()))
+    return min(even, MOST, float(size[:2].max()))
 
 
 def settled_stretch(settings: FillSettings) -> float:

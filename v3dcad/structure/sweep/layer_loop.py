@@ -14,7 +14,6 @@ from v3dcad.geometry.clipping.interior import Cut
 from v3dcad.geometry.clipping.planar_graph import Edges, Frame, place_vertices, write_edges
 from v3dcad.geometry.clipping.ring_walk import (
     EDGE,
-    INTO,
     OPEN,
     SEGMENT,
     Crossings,
@@ -134,13 +133,13 @@ def _same_numbers(before: IntArray, now: IntArray) -> bool:
 
 @linked(INTERNAL)
 def _same_crossings(before: Int32Rows, count_before: int, now: Int32Rows, count: int) -> bool:
+    """Whether rings cross the same edges; so they pass the same cells if they begin in them."""
     if count != count_before:
         return False
     for crossing in range(count):
         if (
             before[crossing, EDGE] != now[crossing, EDGE]
             or before[crossing, SEGMENT] != now[crossing, SEGMENT]
-            or before[crossing, INTO] != now[crossing, INTO]
         ):
             return False
     return True
