@@ -123,7 +123,15 @@ def test_wires_in_step(structure: Structure, tmp_path: Path, schema: str) -> Non
         ("cells", {}, volume_of),
         ("solid", {"thickness": 1.0}, volume_of),
         ("struts", {"diameter": 1.5}, volume_of),
-        ("struts", {"diameter": 1.5, "cut": True}, volume_of),
+        pytest.param(
+            "struts",
+            {"diameter": 1.5, "cut": True},
+            volume_of,
+            marks=pytest.mark.xfail(
+                reason="OCCT reads some balls that the part's surface cuts back from STEP as "
+                "another piece of the ball (docs/brep.md)"
+            ),
+        ),
     ],
 )
 def test_forms_come_back_from_step_and_brep(

@@ -18,10 +18,10 @@ from one_diagram import GRID, power_diagram
 
 from v3dcad.geometry.surface.contour_curves import contours
 from v3dcad.kernel.wires import layer_trails, layer_wires
-from v3dcad.model import CurveRun, Diagram, Floats, Layer, Placement, Section, SiteState
+from v3dcad.model import CurveRun, Diagram, Floats, Layer, Placement, Section
+from v3dcad.structure.thesis.sites import PlaneSites
 
 PLACEMENT = Placement(np.eye(3), np.array([3.0, -7.0, 11.0]))
-NONE = np.empty((0, 2), np.int64)
 
 
 def around(count: int, rx: float, ry: float, turn: float = 0.0, way: int = 1) -> Floats:
@@ -34,7 +34,7 @@ def around(count: int, rx: float, ry: float, turn: float = 0.0, way: int = 1) ->
 def layer_of(section: Section, sites: Floats) -> Layer:
     diagram = power_diagram(sites, np.zeros(len(sites)), section)
     zeros = np.zeros(len(sites))
-    return Layer(0, section, SiteState(sites, zeros, zeros, zeros), diagram, NONE, 1.0)
+    return Layer(0, section, PlaneSites(GRID, sites, zeros, zeros), diagram, 1.0)
 
 
 def sites_in(radius: float, count: int = 25) -> Floats:
@@ -92,7 +92,7 @@ def test_walls_end_on_the_arcs_and_keep_their_lines() -> None:
     rest = np.min(np.hypot(*(places[~on, None] - inner_ends).transpose(2, 0, 1)), axis=1)
     assert rest.max() < 1e-9
     # A wall's end has moved along the bisector of its two sites.
-    sites = layer.state.sites
+    sites = layer.state.sites[:, :2]
     distance = np.sort(np.hypot(*(places[on, None] - sites).transpose(2, 0, 1)), axis=1)
     shared = np.isclose(distance[:, 0], distance[:, 1], atol=1e-9)
     assert shared.sum() >= on.sum() - 2  # the seam's vertices alone are no walls' ends
@@ -109,8 +109,8 @@ def test_a_wall_that_ends_where_runs_meet_stays_there() -> None:
     wall = np.array([[24, 8]])  # from the corner where the circle ends to a point of the circle
     diagram = Diagram(ring, np.vstack([boundary, wall]), np.vstack([owners, [[0, 1]]]), wall * 0)
     zeros = np.zeros(2)
-    state = SiteState(np.zeros((2, 2)), zeros, zeros, zeros)
-    layer = Layer(0, Section(2.0, (ring,), runs), state, diagram, NONE, 1.0)
+    state = PlaneSites(GRID, np.zeros((2, 2)), zeros, zeros)
+    layer = Layer(0, Section(2.0, (ring,), runs), state, diagram, 1.0)
     shape = layer_wires(layer, Placement.none())
     points = [BRep_Tool.Pnt_s(TopoDS.Vertex_s(corner)) for corner in distinct(shape, TopAbs_VERTEX)]
     found = np.array([(point.X(), point.Y()) for point in points])

@@ -273,7 +273,6 @@ def test_an_empty_section_gives_an_empty_toolpath() -> None:
         Section(0.2, ()),
         empty.state,
         type(empty.diagram)(np.empty((0, 2)), *(np.empty((0, 2), np.int64) for _ in range(3))),
-        np.empty((0, 2), np.int64),
         0.0,
     )
     paths, reports = traced([first, nothing])
