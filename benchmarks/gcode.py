@@ -86,7 +86,7 @@ def table() -> None:
     for cells, count in ((300, 150), (4000, 20)):
         source = list(filled("square", cells, count).layers)
         for route in ("least-retrace", "trails", "tree"):
-            options = PrintSettings(route=route, bed="400x400")
+            options = PrintSettings(route=route, bed="800x800")
             reports = []
             began = time.process_time()
             paths = list(trace(source, options, reports.append))
