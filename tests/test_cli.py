@@ -283,7 +283,7 @@ def test_sites_from_a_file(
         (f"{two}3,4,5,6\n", [], "line 2: write one `x,y,z`"),
         (f"{two}\n3,4,5\n", [], "line 3: 3 numbers, where the lines before have 2"),
         (f"x,y,z\n{three}3,4\n", [], "line 3: 2 numbers, where the lines before have 3"),
-        (f"{two}3,inf\n", [], "line 2: not a finite"),
+        (f"{two}3,inf\n", [], "line 2: a coordinate is not a finite"),
         ("500,500\n", [], "all sites lie outside"),
         (two, ["--cell-size", 6], "--cell-size 6.0: sites are given"),
         (two, ["--stretch", 2], "--stretch 2: sites of x, y are columns"),

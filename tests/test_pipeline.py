@@ -344,7 +344,7 @@ def test_what_sites_weigh(bracket: Structure) -> None:
     for layer in bracket.layers:
         x, y, z = layer.state.sites.T
         assert layer.state.growth == pytest.approx(2 * z / stretch**2, rel=1e-9)
-        expected = (2 * layer.z * z - z * z) / stretch**2
+        expected = -(((layer.z - z) / stretch) ** 2)
         assert layer.state.weights == pytest.approx(expected, rel=1e-6, abs=1e-3)
         ends = layer.diagram.vertices[layer.diagram.edges[layer.diagram.inner()]]
         middle = ends.mean(axis=1)
