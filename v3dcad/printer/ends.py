@@ -18,7 +18,7 @@ class End(StrEnum):
     FILE = "file changed"
 
 
-class PrintEnded(RemotePrinterError):
+class PrintError(RemotePrinterError):
     """The print ended otherwise than it should have; `end` names how."""
 
     def __init__(self, end: End, message: str) -> None:

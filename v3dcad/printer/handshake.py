@@ -17,7 +17,7 @@ import re
 from dataclasses import dataclass, field
 
 from v3dcad.errors import LocalPrinterError
-from v3dcad.printer.ends import End, PrintEnded
+from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.lines import numbered
 from v3dcad.printer.replies import (
     Failure,
@@ -27,7 +27,6 @@ from v3dcad.printer.replies import (
     Reply,
     Resend,
     Started,
-    Text,
     parse,
 )
 
@@ -62,7 +61,7 @@ class Handshake:
     """Asks, and listens, until `greeting` is there.
 
     `again` is how long an answer to M115 is waited for before it is asked again, `tries` how often;
-    the last wait raises `PrintEnded` (no answer).
+    the last wait raises `PrintError` (no answer).
     """
 
     def __init__(
@@ -79,6 +78,7 @@ class Handshake:
         self._firmware = ""
         self._capabilities: dict[str, bool] = {}
         self._was_reset = False
+        self._last: int | None = None
         self._splitter = LineSplitter()
         self._outgoing = bytearray()
         self._ask(now)
@@ -96,9 +96,10 @@ class Handshake:
     def receive(self, data: bytes, now: float) -> None:
         """Take bytes from the printer.
 
-        Raises `PrintEnded` when it reports a fatal error, `LocalPrinterError` for a Grbl board.
+        Raises `PrintError` when it reports a fatal error, `LocalPrinterError` for a Grbl board.
         """
         for line in self._splitter.feed(data):
+            self._told(line)
             for reply in parse(line):
                 self._one(reply, now)
 
@@ -106,21 +107,32 @@ class Handshake:
         """Go on when all answers of a step are here; ask again, or give up, when none came."""
         if now < self._wake:
             return
-        if self._ok:
-            self._next(now)
+        if self._ok and self._step == "probe":
+            self.greeting = Greeting(
+                self._firmware,
+                dict(self._capabilities),
+                checks_numbers=self._last is not None,
+                last=self._last or 0,
+                was_reset=self._was_reset,
+            )
+        elif self._ok:
+            self._step = "count" if self._step == "hello" and self._fresh else "probe"
+            self._ok = False
+            self._asked = 0
+            self._ask(now)
         elif self._asked < self._tries:
             self._ask(now)
         elif self.garbage > self.words:
-            raise PrintEnded(
+            raise PrintError(
                 End.NO_ANSWER,
                 "what the printer says cannot be read; most likely its baud rate is another: give "
                 "--baud, or --baud auto",
             )
         else:
-            raise PrintEnded(
+            raise PrintError(
                 End.NO_ANSWER,
-                f"no printer answered for {self._tries * self._again:.0f} s; is it switched on, "
-                "the port the right one, the baud rate right (--baud auto tries them)?",
+                f"nothing answered for {self._tries * self._again:.0f} s; is the printer on, the "
+                "port the right one, the baud rate right (--baud auto tries them)?",
             )
 
     def _ask(self, now: float) -> None:
@@ -132,12 +144,6 @@ class Handshake:
             self._outgoing += b"\n" + numbered(0, "M110 N0")
         else:
             self._outgoing += b"\n" + numbered(PROBES[self._asked % 2], "M105")
-
-    def _next(self, now: float) -> None:
-        self._step = "count" if self._step == "hello" and self._fresh else "probe"
-        self._asked = 0
-        self._ok = False
-        self._ask(now)
 
     def _one(self, reply: Reply, now: float) -> None:
         if isinstance(reply, Garbage):
@@ -152,37 +158,23 @@ class Handshake:
                 self._asked = min(self._asked, self._tries - 1)
                 self._wake = now + QUIET
             case Failure(text, fatal=True):
-                raise PrintEnded(End.HALTED, f"the printer reports: {text}")
-            case Resend(number) if self._step == "probe":
-                self._finish(checks_numbers=True, last=number - 1)
+                raise PrintError(End.HALTED, f"the printer reports: {text}")
             case Ok() | Resend():
-                self._heard_ok(reply, now)
-            case Text(text):
-                self._told(text)
+                self._ok = True
+                self._wake = now + QUIET
+                if isinstance(reply, Resend) and self._step == "probe":
+                    self._last = reply.number - 1
 
-    def _heard_ok(self, reply: Ok | Resend, now: float) -> None:
-        """In the probe's step only an answer to M105 counts: it has temperatures."""
-        if self._step != "probe":
-            self._ok = True
-            self._wake = now + QUIET
-        elif isinstance(reply, Ok) and reply.temperatures:
-            self._finish(checks_numbers=False, last=0)
-
-    def _told(self, text: str) -> None:
-        if text.lower().startswith("grbl "):
-            name = text.partition("[")[0].strip()
+    def _told(self, line: str) -> None:
+        if line.lower().startswith("grbl "):
+            name = line.partition("[")[0].strip()
             raise LocalPrinterError(
                 f"this is {name}, which has no heaters; v3dcad prints with Marlin, Klipper, "
                 "RepRapFirmware and Repetier"
             )
-        found = re.search(r"FIRMWARE_NAME:\s*(.*?)(?:\s+[A-Z_]+:|\s*$)", text)
+        found = re.search(r"FIRMWARE_NAME:\s*(.*?)(?:\s+[A-Z_]+:|\s*$)", line)
         if found:
             self._firmware = found[1]
-        found = re.match(r"Cap:(\w+):([01])", text)
+        found = re.match(r"Cap:(\w+):([01])", line)
         if found:
             self._capabilities[found[1]] = found[2] == "1"
-
-    def _finish(self, *, checks_numbers: bool, last: int) -> None:
-        self.greeting = Greeting(
-            self._firmware, dict(self._capabilities), checks_numbers, last, self._was_reset
-        )

@@ -17,11 +17,12 @@ CHECKSUM = re.compile(r"\s*\*\d+\s*$")
 LONGEST = 95
 """Characters of a line that every firmware can read whole: Marlin's MAX_CMD_SIZE is 96."""
 
-SLOW = frozenset(
-    "G4 G28 G29 G30 G32 G33 G34 G76 G425 M0 M1 M25 M48 M109 M116 M190 M191 M226 M303 M400 M600 "
-    "M701 M702".split()
-)
+SLOW = """
+    G4 G28 G29 G30 G32 G33 G34 G76 G425
+    M0 M1 M25 M48 M109 M116 M190 M191 M226 M303 M400 M600 M701 M702
+"""
 """Commands that may take minutes: homing, probing, heating, waiting for a person."""
+_SLOW = frozenset(SLOW.split())
 
 
 def command_of(line: str) -> str:
@@ -38,6 +39,12 @@ def name_of(command: str) -> str:
     if found is None:
         return command.partition(" ")[0].upper()
     return found[1].upper() + found[2]
+
+
+def is_slow(command: str) -> bool:
+    """Whether a command may take minutes, or is a macro, which may do anything."""
+    name = name_of(command)
+    return name in _SLOW or not name[1:2].isdigit()
 
 
 def checksum(text: bytes) -> int:

@@ -28,8 +28,8 @@ from collections import deque
 from dataclasses import dataclass
 
 from v3dcad.errors import LocalPrinterError
-from v3dcad.printer.ends import End, PrintEnded
-from v3dcad.printer.lines import SLOW, name_of, numbered
+from v3dcad.printer.ends import End, PrintError
+from v3dcad.printer.lines import is_slow, numbered
 from v3dcad.printer.replies import (
     Busy,
     Failure,
@@ -137,7 +137,7 @@ class Sender:
             raise LocalPrinterError(f"send: {command!r} is more than one line")
         self.newest += 1
         self._history.append(numbered(self.newest, command))
-        if name_of(command) in SLOW:
+        if is_slow(command):
             self._slow.add(self.newest)
         self._transmit(now)
         return self.newest
@@ -157,6 +157,13 @@ class Sender:
         self._heard = now
         self._probe()
 
+    def interrupt(self, data: bytes) -> None:
+        """Have bytes go out before all others, without a number, such as M112.
+
+        The printer may answer with an `ok` too many, as to any line; numbers put that right.
+        """
+        self._outgoing[:0] = data
+
     def data_to_send(self) -> bytes:
         """The bytes that are due to go out, once."""
         data = bytes(self._outgoing)
@@ -166,7 +173,7 @@ class Sender:
     def receive(self, data: bytes, now: float) -> list[Event]:
         """Take bytes from the printer; what they mean, in order.
 
-        Raises `PrintEnded` when the printer reports a fatal error, was reset, or wants a line that
+        Raises `PrintError` when the printer reports a fatal error, was reset, or wants a line that
         it cannot have.
         """
         return self._take(self._splitter.feed(data), now)
@@ -184,7 +191,7 @@ class Sender:
     def due(self, now: float) -> list[Event]:
         """Do what the clock asks for: go on after a Resend, or probe a silent printer.
 
-        Raises `PrintEnded` (no answer) when the printer has been asked often enough.
+        Raises `PrintError` (no answer) when the printer has been asked often enough.
         """
         wake = self.wake_at()
         if wake is None or now < wake:
@@ -201,7 +208,7 @@ class Sender:
         if self._probes < self.patience.probes:
             self._probe()
             return []
-        raise PrintEnded(
+        raise PrintError(
             End.NO_ANSWER,
             f"the printer has said nothing to line {self.acknowledged + 1} for "
             f"{now - self._heard:.0f} s; check cable and power",
@@ -235,9 +242,7 @@ class Sender:
             self._transmit(now)
 
     def _take(self, lines: list[str], now: float) -> list[Event]:
-        return [
-            event for line in lines for reply in parse(line) for event in self._one(reply, now)
-        ]
+        return [event for line in lines for reply in parse(line) for event in self._one(reply, now)]
 
     def _one(self, reply: Reply, now: float) -> list[Event]:
         events: list[Event] = [reply]
@@ -250,9 +255,9 @@ class Sender:
             case Skipped(number) if number <= self.newest:
                 self._resend(max(number, self.acknowledged) + 1, now)
             case Failure(text, fatal=True):
-                raise PrintEnded(End.HALTED, f"the printer reports: {text}")
+                raise PrintError(End.HALTED, f"the printer reports: {text}")
             case Started():
-                raise PrintEnded(End.HALTED, f"the printer was reset after line {before}")
+                raise PrintError(End.HALTED, f"the printer was reset after line {before}")
             case Waiting():
                 self._hurry(now)
             case Busy():
@@ -297,7 +302,7 @@ class Sender:
         self._probes -= 1
         self._heard = now
         if self.acknowledged < self._sent:
-            raise PrintEnded(
+            raise PrintError(
                 End.NO_ANSWER,
                 f"line {self.acknowledged + 1} was not confirmed, and this printer does not say "
                 "whether it has it; to go on could repeat or leave out a move",
@@ -307,7 +312,7 @@ class Sender:
         """The printer has all lines before `number` and wants this one."""
         oldest = self.newest - len(self._history) + 1
         if not oldest <= number <= self.newest + 1:
-            raise PrintEnded(
+            raise PrintError(
                 End.HALTED,
                 f"the printer asks for line {number}, but lines {oldest} to {self.newest} were "
                 "sent; it may have been reset",
@@ -329,7 +334,7 @@ class Sender:
         self._repeated = (max(number, last), count)
         self.resent += 1
         if count > self.patience.resends:
-            raise PrintEnded(
+            raise PrintError(
                 End.NO_ANSWER,
                 f"the printer refused line {number} {count} times; check the cable, or use a "
                 "lower baud rate",
