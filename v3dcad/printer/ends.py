@@ -23,4 +23,5 @@ class PrintError(RemotePrinterError):
 
     def __init__(self, end: End, message: str) -> None:
         self.end = end
+        self.message = message
         super().__init__(f"{end}: {message}")

@@ -159,6 +159,8 @@ class Job:
 
     def start(self, now: float) -> None:
         """Send the first lines."""
+        if self._recorder is not None:
+            self._recorder.acknowledged(self._line, self._wire)
         if not self.greeting.can("AUTOREPORT_TEMP"):
             self._poll_at = now
         self._go_on(now)

@@ -102,7 +102,7 @@ class MachineState:
         if "Z" not in self.place:
             return []
         return [
-            *self._heat(),
+            *self.heat(),
             "G21",
             "G90",
             *self._go(),
@@ -111,6 +111,14 @@ class MachineState:
             *self._modes(),
         ]
 
+    def heat(self) -> list[str]:
+        """Lines that heat bed and nozzle to what they should have, and wait."""
+        lines = []
+        for begin, wait, wanted in (("M140", "M190", self.bed), ("M104", "M109", self.nozzle)):
+            if wanted:
+                lines += [f"{begin} S{wanted:g}", f"{wait} S{wanted:g}"]
+        return [*lines[::2], *lines[1::2]]
+
     def after_reset(self, height: float) -> list[str]:
         """Lines that put a printer which was reset into this state, over a part on the bed.
 
@@ -118,7 +126,7 @@ class MachineState:
         the printer is told its height, and X and Y are homed a little above.
         """
         return [
-            *self._heat(),
+            *self.heat(),
             *self.kept.values(),
             *([self.tool] if self.tool else []),
             "G21",
@@ -131,13 +139,6 @@ class MachineState:
             f"M106 S{self.fan:g}" if self.fan else "M107",
             *self._modes(),
         ]
-
-    def _heat(self) -> list[str]:
-        lines = []
-        for begin, wait, wanted in (("M140", "M190", self.bed), ("M104", "M109", self.nozzle)):
-            if wanted:
-                lines += [f"{begin} S{wanted:g}", f"{wait} S{wanted:g}"]
-        return [*lines[::2], *lines[1::2]]
 
     def _go(self) -> list[str]:
         flat = [f"{axis}{self.place[axis]:.10g}" for axis in "XY" if axis in self.place]
