@@ -43,6 +43,7 @@ MAY_IMPORT = {
         "options",
         "parts",
         "pipeline",
+        "printer",
         "recipes",
         "report",
         "slicing",

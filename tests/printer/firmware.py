@@ -59,6 +59,8 @@ class Firmware:
     between"""
     emergency_parser: bool = True
     keepalive: bool = True
+    reads_while_busy: bool = False
+    """whether lines are read while one is obeyed; Marlin's `idle()` reads none, the others do"""
     queue_size: int = 4
     rx_size: int = 128
     seconds: Callable[[str], float] = lambda command: 0.002
@@ -141,7 +143,7 @@ class Firmware:
                     self.say("wait", self.idle_since)
                     continue
                 return
-            if self.keepalive and self.busy_at < min(self.done_at, now):
+            if self.keepalive and self.busy_at <= now and self.busy_at < self.done_at:
                 self.say("busy:processing" if self.kind == "repetier" else "echo:busy: processing",
                          self.busy_at)  # fmt: skip
                 self.busy_at += 2.0
@@ -152,10 +154,14 @@ class Firmware:
 
     def take(self, now: float) -> None:
         """Read lines from the receive buffer while the queue has room."""
+        if self.done_at is not None and self.kind == "marlin" and not self.reads_while_busy:
+            return
         while not self.halted and len(self.queue) < self.queue_size and b"\n" in self.rx:
             line, _, self.rx = self.rx.partition(b"\n")
             if line.strip():
                 self.line_done(line.decode("latin-1"), now)
+        if self.queue and self.done_at is None and not self.halted:
+            self.begin(now)
 
     def line_done(self, line: str, now: float) -> None:
         found = re.match(r"N(\d+)\s*(.*?)(?:\*(\d+))?$", line)
@@ -197,8 +203,6 @@ class Firmware:
         self.queue.append((number, command))
         if self.kind == "repetier":
             self.say("ok", now)
-        if self.done_at is None:
-            self.begin(now)
 
     def begin(self, now: float) -> None:
         self.done_at = now + self.seconds(self.queue[0][1])
@@ -219,8 +223,6 @@ class Firmware:
         if number is not None:
             self.happen(self.faults.when_obeyed.pop(len(self.numbers), ""), now)
         self.take(now)
-        if self.queue and self.done_at is None and not self.halted:
-            self.begin(now)
 
     def answer(self, number: int | None, command: str, now: float) -> None:
         temperatures = " ".join(f"{name}:{at:.2f} /{at:.2f}" for name, at in self.targets.items())

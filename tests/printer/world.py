@@ -14,6 +14,7 @@ from v3dcad.printer.sender import Patience
 from v3dcad.printer.settings import PortSettings
 
 HOURS = 6 * 3600.0
+TURNS = 200_000
 PATIENCE = Patience()
 
 
@@ -63,7 +64,9 @@ class World:
 
     def _run(self, talk: Job | Handshake, over: Callable[[], bool]) -> None:
         last_word = self.now
-        while not over():
+        for _ in range(TURNS):
+            if over():
+                return
             data = talk.data_to_send()
             if data:
                 self.firmware.receive(data, self.now)
@@ -80,6 +83,7 @@ class World:
             self.now = max(self.now, min(times))
             assert self.now < HOURS, "this takes too long"
             talk.due(self.now)
+        raise AssertionError("this goes round in circles")
 
 
 def job_for(

@@ -30,6 +30,13 @@ class Link(Protocol):
         """Send bytes."""
 
 
+class TunableLink(Link, Protocol):
+    """A link whose rate can be set."""
+
+    def set_baud(self, baud: int) -> None:
+        """Go on at another rate."""
+
+
 class Talk(Protocol):
     """What is driven: a handshake or a job."""
 
@@ -86,6 +93,32 @@ def greet(
     converse(talk, link, lambda: talk.greeting is not None, each_turn=each_turn, clock=clock)
     assert talk.greeting is not None
     return talk.greeting
+
+
+def greet_at_any_baud(
+    link: TunableLink,
+    *,
+    fresh: bool = True,
+    each_turn: Callable[[], None] = lambda: None,
+    clock: Clock = time.monotonic,
+) -> tuple[Greeting, int]:
+    """Shake hands at each rate of `BAUDS` until a printer is understood; the rate as well.
+
+    The first rate is given the time that a board needs after a reset; it has passed then.
+    """
+    for baud in BAUDS:
+        tries = 4 if baud == BAUDS[0] else 1
+        link.set_baud(baud)
+        try:
+            return greet(link, fresh=fresh, tries=tries, each_turn=each_turn, clock=clock), baud
+        except PrintError as error:
+            if error.end != End.NO_ANSWER:
+                raise
+    raise PrintError(
+        End.NO_ANSWER,
+        f"nothing answered at {', '.join(map(str, BAUDS))} baud; is the printer on, and the port "
+        "the right one?",
+    )
 
 
 def run_job(

@@ -34,6 +34,9 @@ REPORT = "M155 S2"
 
 ALL_DONE = "M400"
 """Wait until the last move is made: the port may reset the board when it is closed."""
+LAST_WORD = 300.0
+"""Seconds of silence, after which a printer that says no temperatures at the end is taken to be
+done. Repetier says ok to M400 when it has it; only the answer to M105 comes after the last move."""
 
 
 class Phase(StrEnum):
@@ -144,8 +147,10 @@ class Job:
         self._wire = greeting.last
         self._minutes_left: float | None = None
         self._park = self._parked = False
-        self._waited = False
         self._poll_at: float | None = None
+        self._all_done_sent = False
+        self._last_word_by: float | None = None
+        self._unanswered = 0
 
     def data_to_send(self) -> bytes:
         """The bytes that are due to go out, once."""
@@ -153,8 +158,10 @@ class Job:
 
     def wake_at(self) -> float | None:
         """When `due` wants to be called, if nothing is received before; None if never."""
-        if self.phase == Phase.PAUSED and self.sender.idle:
+        if self.sender.idle and self.phase == Phase.PAUSED:
             return self._poll_at
+        if self.sender.idle and self.phase == Phase.FINISHING:
+            return self._last_word_by
         return self.sender.wake_at()
 
     def start(self, now: float) -> None:
@@ -253,9 +260,12 @@ class Job:
                     self.told.doing = ""
                 case Busy(doing):
                     self.told.doing = doing
+                    if self._last_word_by is not None:
+                        self._last_word_by = now + LAST_WORD
                 case Ok(temperatures=heaters) | Temperatures(heaters):
                     self.told.temperatures |= heaters
-                case Text(text) | Failure(text):
+                    self._unanswered = max(0, self._unanswered - bool(heaters))
+                case Text(text) | Failure(text, about_line=False):
                     self.told.messages.append(text)
                 case Action(name):
                     self._asked_for(name, now)
@@ -288,7 +298,9 @@ class Job:
 
     def _step(self, now: float) -> bool:
         """Send one line, or change the phase; whether there may be more to do at once."""
-        polling = self._poll_at is not None and now >= self._poll_at
+        polling = (
+            self._poll_at is not None and now >= self._poll_at and self.phase != Phase.FINISHING
+        )
         if self._own or polling or self._next is None or self.phase != Phase.PRINTING:
             return self.sender.idle and self._step_aside(polling, now)
         line = self._next
@@ -307,7 +319,7 @@ class Job:
             return True
         if polling:
             self._poll_at = now + POLL
-            self.sender.ask(now)
+            self._ask(now)
             return False
         match self.phase:
             case Phase.PRINTING:
@@ -320,14 +332,29 @@ class Job:
                 self.phase = Phase.PAUSED
             case Phase.RESUMING:
                 self.phase = Phase.PRINTING
-            case Phase.FINISHING if not self._waited:
-                self._own.append(ALL_DONE)
-                self._waited = True
+            case Phase.FINISHING if not self._done(now):
+                return self.sender.ready() and bool(self._own)
             case Phase.FINISHING | Phase.CANCELLING:
                 return self._prove(now)
             case _:
                 return False
         return True
+
+    def _done(self, now: float) -> bool:
+        """Whether the last move is made; sees to it that the printer says so."""
+        if not self._all_done_sent:
+            self._all_done_sent = True
+            self._own.append(ALL_DONE)
+        elif self._last_word_by is None:
+            self._last_word_by = now + LAST_WORD
+            self._ask(now)
+        elif self._unanswered == 0 or now >= self._last_word_by:
+            return True
+        return False
+
+    def _ask(self, now: float) -> None:
+        self._unanswered += 1
+        self.sender.ask(now)
 
     def _prove(self, now: float) -> bool:
         """End, if the printer has everything for certain; otherwise ask it."""

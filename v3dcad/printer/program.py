@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,12 +16,16 @@ from typing import BinaryIO
 
 from v3dcad.errors import FormatError
 from v3dcad.printer.ends import End, PrintError
+from v3dcad.printer.fit import Needs
 from v3dcad.printer.job import Line
 from v3dcad.printer.lines import LONGEST, command_of, name_of
 
 LOOK_EVERY = 1000
 """Lines after which is looked whether the file has changed."""
 MOST_LINE = 4096
+NOZZLE = re.compile(rb";\s*nozzle_diameter\s*=\s*(\d+(?:\.\d+)?)")
+"""How slicers of the PrusaSlicer family name the nozzle."""
+HEATS = re.compile(r"M(104|109|140|190)\b.*?[SR](\d+(?:\.\d+)?)")
 NOT_TO_PRINT = {
     "M28": "writes to the printer's card",
     "M29": "writes to the printer's card",
@@ -44,6 +49,7 @@ class Program:
     """characters of the longest command"""
     longest_at: int
     """its line in the file"""
+    needs: Needs
 
     def check_length(self) -> None:
         """Raise `FormatError` if a command is longer than a small board's buffer for lines.
@@ -92,6 +98,8 @@ def read_program(path: Path) -> Program:
     """
     digest = hashlib.sha256()
     size = commands = longest = longest_at = 0
+    hottest = {"T": 0.0, "B": 0.0}
+    nozzle: float | None = None
     try:
         with path.open("rb") as stream:
             number = 0
@@ -104,10 +112,15 @@ def read_program(path: Path) -> Program:
                 size += len(raw)
                 command = command_of(raw.decode("latin-1"))
                 if not command:
+                    if named := NOZZLE.match(raw):
+                        nozzle = float(named[1])
                     continue
                 commands += 1
                 if len(command) > longest:
                     longest, longest_at = len(command), number
+                if found := HEATS.match(command):
+                    heater = "B" if found[1] in ("140", "190") else "T"
+                    hottest[heater] = max(hottest[heater], float(found[2]))
                 if command[0] == "M" and (why := NOT_TO_PRINT.get(name_of(command))):
                     message = f"{command} {why}; take it out"
                     raise FormatError(message, path=str(path), line=number)
@@ -115,7 +128,8 @@ def read_program(path: Path) -> Program:
         raise FormatError(f"cannot be read ({error.strerror})", path=str(path)) from error
     if not commands:
         raise FormatError("no commands in it; name a G-code file", path=str(path))
-    return Program(path, digest.hexdigest(), size, commands, longest, longest_at)
+    needs = Needs(nozzle, hottest["T"], hottest["B"])
+    return Program(path, digest.hexdigest(), size, commands, longest, longest_at, needs)
 
 
 def _stamp(stream: BinaryIO) -> tuple[int, int]:

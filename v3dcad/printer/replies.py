@@ -70,6 +70,8 @@ class Failure:
 
     text: str
     fatal: bool
+    about_line: bool = False
+    """only that a line did not arrive as it was sent; a `Resend` follows"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +152,7 @@ def _parsed(line: str) -> Reply:
     if lower == "start":
         return Started()
     if lower.startswith("error:"):
-        return Failure(text[6:].strip(), fatal=_is_fatal(lower[6:].strip()))
+        return _failure(text[6:].strip())
     if text.startswith("!!"):
         return Failure(text[2:].strip(), fatal=True)
     found = re.match(r"//\s*action:\s*(\w+)", text)
@@ -177,8 +179,10 @@ def _heaters(text: str) -> dict[str, tuple[float, float | None]]:
     }
 
 
-def _is_fatal(error: str) -> bool:
-    return not error.startswith(HARMLESS) and not any(word in error for word in ABOUT_LINES)
+def _failure(text: str) -> Failure:
+    lower = text.lower()
+    about_line = any(word in lower for word in ABOUT_LINES)
+    return Failure(text, not about_line and not lower.startswith(HARMLESS), about_line)
 
 
 class LineSplitter:

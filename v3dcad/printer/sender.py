@@ -43,13 +43,18 @@ from v3dcad.printer.replies import (
     parse,
 )
 
-HISTORY = 256
-"""Lines kept so that the printer may ask for them again; more than any buffer holds."""
+GOES_BACK = 8
+"""By how many lines a request may lie before what is acknowledged. An `ok` too many makes one; a
+printer that wants more was reset, and must not be given the file's lines in that state."""
 BYTES_UNDER_WAY = 127
 """What fits into the receive buffer of an 8-bit board (RX_BUFFER_SIZE of Marlin is 128)."""
 MOST_UNDER_WAY = 32
+HISTORY = MOST_UNDER_WAY + GOES_BACK
+"""Lines kept so that the printer may ask for them again."""
 BEYOND = 1000
 """How far a probe's number lies beyond the last line's. Repetier takes up to 40 less as old."""
+STILL_SLOW = 8
+"""Lines behind a slow command for which the printer is given as much time."""
 HURRY = 0.5
 """Seconds after which a printer that says `wait` cannot have the line that is under way."""
 
@@ -263,8 +268,11 @@ class Sender:
             case Busy():
                 self._heard = now
                 self._probes = 0
+        if isinstance(reply, Ok):
+            # Repetier says ok to a slow command when it has it, and the lines behind it wait; a
+            # request for the next line, too, only says that a slow one has arrived.
+            self._slow = {slow for slow in self._slow if slow > self.acknowledged - STILL_SLOW}
         if self.acknowledged != before:
-            self._slow = {slow for slow in self._slow if slow > self.acknowledged}
             events.insert(0, Acknowledged(self.acknowledged))
         return events
 
@@ -310,12 +318,12 @@ class Sender:
 
     def _resend(self, number: int, now: float) -> None:
         """The printer has all lines before `number` and wants this one."""
-        oldest = self.newest - len(self._history) + 1
+        oldest = max(self.newest - len(self._history), self.acknowledged - GOES_BACK) + 1
         if not oldest <= number <= self.newest + 1:
             raise PrintError(
                 End.HALTED,
-                f"the printer asks for line {number}, but lines {oldest} to {self.newest} were "
-                "sent; it may have been reset",
+                f"the printer asks for line {number} after it had {self.acknowledged}; it was "
+                "reset, or another program talks to it",
             )
         if self._settled_at is None:
             self._settle_limit = now + self.patience.answer
