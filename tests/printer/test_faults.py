@@ -71,7 +71,7 @@ VARIANTS = [
 @pytest.mark.parametrize("advanced", [False, True])
 def test_without_faults(kind: str, advanced: bool) -> None:
     firmware = Firmware(kind, advanced=advanced)
-    end, world = run(firmware)
+    end, _ = run(firmware)
     assert end == End.FINISHED
     assert firmware.overruns == 0
     if kind == "marlin":
@@ -195,6 +195,7 @@ def test_slow_commands_without_busy(kind: str) -> None:
 @pytest.mark.parametrize("kind", CHECKING)
 def test_slow_moves_without_busy(kind: str) -> None:
     """Each move takes longer than the silence before a probe."""
+
     def seconds(command: str) -> float:
         return 25.0 if command.startswith("G1 X") else 0.002
 

@@ -28,6 +28,7 @@ from v3dcad.printer.settings import PortSettings
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from v3dcad.printer.fit import Machine
     from v3dcad.printer.handshake import Greeting
     from v3dcad.printer.job import Job
     from v3dcad.printer.program import Program
@@ -82,13 +83,13 @@ def print_file(
     The file is checked before the first byte goes out. While it prints: p pauses, r resumes, c or
     Ctrl-C cancels, s is the emergency stop.
     """
+    from v3dcad.commands.gcode_check import checked
     from v3dcad.printer.journal import journal_of, read_journal
-    from v3dcad.printer.program import read_program
 
     chosen = PortSettings(**given(PortSettings, settings))
     chosen.park_place()
-    program = read_program(file)
-    extent = _extent(program, profile)
+    program, summary = checked(file, _machine(profile))
+    extent = Extent(file.name, program.size, program.commands, summary.layers, summary.time_s)
     record = None
     if resume:
         head, record = read_journal(journal_of(file))
@@ -153,20 +154,15 @@ def console(
         link.close()
 
 
-def _extent(program: Program, profile: str | None) -> Extent:
-    """What there is to print; raises where it does not fit the machine of a profile."""
-    from v3dcad.formats.gcode.reader import read_gcode
+def _machine(profile: str | None) -> Machine:
+    from v3dcad.printer.fit import Machine
 
-    summary = read_gcode(program.path)
-    if profile is not None:
-        from v3dcad.formats.gcode.machine_profile import read_profile
-        from v3dcad.printer.fit import Machine, misfit
-        from v3dcad.settings import PrintSettings
+    if profile is None:
+        return Machine()
+    from v3dcad.formats.gcode.machine_profile import read_profile
+    from v3dcad.settings import PrintSettings
 
-        machine = Machine.of(PrintSettings(**read_profile(profile)))
-        if wrong := misfit(machine, summary.least, summary.greatest, program.needs):
-            raise LocalPrinterError(f"{program.path} does not fit the printer: {wrong}")
-    return Extent(program.path.name, program.size, program.commands, summary.layers, summary.time_s)
+    return Machine.of(PrintSettings(**read_profile(profile)))
 
 
 def _view(as_json: bool) -> View:

@@ -60,3 +60,28 @@ class PortSettings(Checked):
     def cancel_lines(self) -> list[str]:
         """The lines of `cancel_gcode` that ask for something."""
         return [line for line in map(str.strip, self.cancel_gcode.splitlines()) if line]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class HostSettings(Checked):
+    """A printer that is reached through a print server."""
+
+    kind: str = setting(
+        "octoprint",
+        "What runs on the server.",
+        choices=("octoprint", "moonraker", "prusalink"),
+    )
+    url: str = setting("", "The server's address.", metavar="http://HOST")
+    user: str = setting("", "User name, of a PrusaLink that asks for user and password.")
+    profile: str = setting(
+        "", "Machine profile whose bed and height a file has to fit.", metavar="NAME|TOML"
+    )
+    nozzle: float = setting(
+        0.0, "Diameter of the nozzle that a file has to be for; 0 takes any.", unit="mm", least=0
+    )
+    hottest_nozzle: float = setting(
+        0.0, "Highest temperature of the nozzle; 0 sets no limit.", unit="°C", least=0
+    )
+    hottest_bed: float = setting(
+        0.0, "Highest temperature of the bed; 0 sets no limit.", unit="°C", least=0
+    )
