@@ -150,7 +150,7 @@ async def _once(
 def _form(request: Request, body: _Watched | None) -> aiohttp.FormData | _Watched | None:
     if body is None or request.form is None:
         return body
-    form = aiohttp.FormData()
+    form = aiohttp.FormData(quote_fields=False)  # servers take a name as it stands
     for name, value in request.form.items():
         form.add_field(name, value)
     form.add_field("file", body, filename=request.upload, content_type="application/octet-stream")

@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable
 from pathlib import Path
 
+from v3dcad.errors import LocalPrinterError
 from v3dcad.printer.ends import HostError, HostFault
 from v3dcad.printer.hosts.requests import Host
 from v3dcad.printer.http_link import Address, carry
@@ -22,6 +23,8 @@ class Sending:
         sha256: str,
         progress: Callable[[int], None],
     ) -> None:
+        if not file.name.isprintable():
+            raise LocalPrinterError(f"{file.name!r}: no server takes such a name; rename the file")
         self.host = host
         self.address = address
         self.file = file
