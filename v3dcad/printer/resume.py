@@ -77,7 +77,7 @@ def _replay(lines: Iterable[Line], count: int) -> tuple[_Mark | None, _Mark, lis
     here = _Mark(0, 0, MachineState())
     candidate: _Mark | None = None
     starts: deque[tuple[int, _Mark]] = deque()
-    heights: deque[float] = deque(maxlen=AHEAD)
+    heights: deque[float] = deque(maxlen=AHEAD + 1)
     for line in lines:
         if line.number > count:
             break
