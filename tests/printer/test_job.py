@@ -164,6 +164,9 @@ def test_overrides() -> None:
         "M220 S80", "M221 S105"
     ]  # fmt: skip
     assert (job.snapshot().speed, job.snapshot().flow) == (80, 105)
+    job.override(world.now, speed=70)
+    job.override(world.now, flow=100)
+    assert (job.snapshot().speed, job.snapshot().flow) == (70, 100)
     for wrong in ({"speed": 9}, {"speed": 501}, {"flow": 49}, {"flow": 201}):
         with pytest.raises(SettingError):
             job.override(world.now, **wrong)

@@ -91,6 +91,4 @@ def _replay(lines: Iterable[Line], count: int) -> tuple[_Mark | None, _Mark, lis
             while len(starts) > 1 and starts[1][0] <= count - AHEAD:
                 starts.popleft()
         heights.append(here.state.place.get("Z", 0.0))
-    while len(starts) > 1 and starts[1][0] <= here.lines - AHEAD:
-        starts.popleft()
     return (starts[0][1] if starts else None), here, list(heights)
