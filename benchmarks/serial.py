@@ -112,7 +112,7 @@ def _resident() -> int:
 class Sink(BaseHTTPRequestHandler):
     """Takes a file and forgets it."""
 
-    def do_PUT(self) -> None:  # noqa: N802
+    def do_PUT(self) -> None:
         """Read all, answer 201."""
         left = int(self.headers["Content-Length"])
         while left:
@@ -122,7 +122,7 @@ class Sink(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(b"{}")
 
-    def do_GET(self) -> None:  # noqa: N802
+    def do_GET(self) -> None:
         """Name a storage."""
         body = json.dumps({"storage_list": [{"path": "/usb", "available": True}]}).encode()
         self.send_response(200)

@@ -299,3 +299,16 @@ def test_any_mix_of_faults(
     obeyed = [line for line in of_the_file(firmware.obeyed) if line in FILE]
     assert obeyed == FILE if end == End.FINISHED else obeyed == FILE[: len(obeyed)]
     assert world.quietest <= PATIENCE.most(slow=True) + 1
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_hundred_thousand_lines_with_faults(variant: dict) -> None:
+    lines = [f"G1 X{i % 200} Y{i % 180} E0.01" for i in range(100_000)]
+    firmware = Firmware(**variant)
+    world, job = job_for(firmware, lines)
+    firmware.faults = Faults(spoiler(5, 0.001, spoil_line), spoiler(6, 0.001, spoil_answer))
+    known = set(lines)
+    assert world.run(job) == End.FINISHED
+    assert [line for line in firmware.obeyed if line in known] == lines
+    assert job.sender.resent > 50

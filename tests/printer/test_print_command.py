@@ -244,9 +244,7 @@ def test_killed_and_resumed_each_line_arrives_once(
 
 
 @pytest.mark.parametrize("kind", ["marlin", "repetier"])
-def test_killed_and_reset_the_layer_is_printed_again(
-    kind: str, file: Path, tmp_path: Path
-) -> None:
+def test_killed_and_reset_the_layer_is_printed_again(kind: str, file: Path, tmp_path: Path) -> None:
     firmware = Firmware(kind, seconds=lambda command: 0.01 if "Y13" in command else 0.001)
     with PtyPrinter(firmware) as printer:
         printing = Printing(tmp_path, file, "--port", printer.port)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import io
 import json
 import socket
 import time
@@ -12,8 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from PIL import Image
 from printer.real_hosts import OCTOPRINT_KEY, PRUSALINK_KEY, moonraker, octoprint, prusalink
 
+from v3dcad.formats.gcode.blocks import Totals, heading
 from v3dcad.printer.ends import HostError, HostFault
 from v3dcad.printer.hosts.moonraker import Moonraker
 from v3dcad.printer.hosts.octoprint import OctoPrint
@@ -21,6 +24,7 @@ from v3dcad.printer.hosts.prusalink import PrusaLink
 from v3dcad.printer.hosts.requests import Host
 from v3dcad.printer.http_link import Address, carry
 from v3dcad.printer.sending import Sending
+from v3dcad.settings import PrintSettings
 
 pytestmark = pytest.mark.long
 
@@ -129,6 +133,18 @@ def test_moonraker(moon: Address, file: Path) -> None:
     assert fetched(moon, f"/server/files/gcodes/{name}") == GCODE.encode()
     with pytest.raises(HostError, match="nothing was sent"):
         one.check(start=True)
+
+
+def test_moonraker_finds_the_picture(moon: Address, tmp_path: Path) -> None:
+    """What Mainsail and Fluidd show is what Moonraker finds in the file."""
+    picture = io.BytesIO()
+    Image.new("RGB", (300, 200), "orange").save(picture, "PNG")
+    path = tmp_path / "picture.gcode"
+    path.write_text(heading(PrintSettings(), Totals(), picture.getvalue()) + GCODE)
+    sending(Moonraker(), moon, path).send(start=False)
+    found = json.loads(fetched(moon, "/server/files/metadata?filename=picture.gcode"))
+    sizes = [(one["width"], one["height"]) for one in found["result"]["thumbnails"]]
+    assert (300, 200) in sizes
 
 
 def test_moonraker_throws_a_spoilt_upload_away(moon: Address, tmp_path: Path) -> None:

@@ -82,8 +82,8 @@ def test_parking_and_coming_back_changes_nothing(before: list[str], after: list[
 
 
 def test_state() -> None:
-    state = state_after("G20", "G1 X1 Y2 Z0.1 F10", "G92 E0.5 Z0.2", "T1", "M106", "M220 S90",
-                        "SET_VELOCITY_LIMIT ACCEL=900", "M104 R190", "M190 S70", "M117 hello")  # fmt: skip
+    text = "G20, G1 X1 Y2 Z0.1 F10, G92 E0.5 Z0.2, T1, M106, M220 S90, M104 R190, M190 S70, M117 hi"
+    state = state_after(*text.split(", "), "SET_VELOCITY_LIMIT ACCEL=900")
     assert state.place == pytest.approx({"X": 25.4, "Y": 50.8, "Z": 5.08})
     assert state.e == pytest.approx(12.7)
     assert state.feed == 254
@@ -251,7 +251,9 @@ def test_journals_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_a_program(tmp_path: Path) -> None:
     file = tmp_path / "part.gcode"
-    file.write_bytes(b"; nozzle_diameter = 0.4\r\nM109 S215\r\nM190 R70 ; bed\r\n\r\nN7 G1 X1*99\r\n")
+    file.write_bytes(
+        b"; nozzle_diameter = 0.4\r\nM109 S215\r\nM190 R70 ; bed\r\n\r\nN7 G1 X1*99\r\n"
+    )
     found = read_program(file)
     assert (found.commands, found.size, found.longest_at) == (3, file.stat().st_size, 2)
     assert found.needs == Needs(0.4, 215.0, 70.0)

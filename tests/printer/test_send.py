@@ -221,7 +221,7 @@ def test_a_book_that_cannot_be_read(capsys) -> None:
     assert "knows a key that no printer has" in run(capsys, "printer", "list")[1]
     (path.parent / "keys.json").write_text("{")
     path.unlink()
-    with pytest.raises(Exception, match="keys.json: cannot be read"):
+    with pytest.raises(Exception, match=r"keys\.json: cannot be read"):
         address_book.key("one")
 
 

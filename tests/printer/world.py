@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from pathlib import Path
 
 from printer.firmware import Firmware
 
@@ -13,8 +12,8 @@ from v3dcad.printer.job import Job, Line
 from v3dcad.printer.sender import Patience
 from v3dcad.printer.settings import PortSettings
 
-HOURS = 6 * 3600.0
-TURNS = 200_000
+HOURS = 100 * 3600.0
+TURNS = 3_000_000
 PATIENCE = Patience()
 
 
@@ -101,6 +100,3 @@ def job_for(
 def of_the_file(obeyed: list[str]) -> list[str]:
     """What was obeyed, without what hosts ask by themselves."""
     return [command for command in obeyed if command not in ("M105", "M400", "M155 S2")]
-
-
-HERE = Path(__file__).parent

@@ -4,4 +4,5 @@ requests    requests and answers as values; a dialogue yields the one and is sen
 octoprint   OctoPrint
 moonraker   Moonraker, which serves Klipper
 prusalink   PrusaLink, on a computer beside a printer or in Prusa's firmware
+kinds       the three by name
 """
