@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from v3dcad.commands import fill, gcode, ont, print_port, printer, setup
+from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup
 from v3dcad.commands import slice as slicing
 from v3dcad.errors import V3dcadError
 
@@ -26,8 +26,8 @@ app.command()(fill.fill)
 app.command()(fill.info)
 app.command("slice")(slicing.slice_part)
 app.command("print")(print_port.print_file)
-app.command()(print_port.ports)
-app.command()(print_port.console)
+app.command()(ports.ports)
+app.command()(ports.console)
 app.command()(printer.send)
 app.command()(setup.warm_up)
 app.add_typer(ont.ont_app)

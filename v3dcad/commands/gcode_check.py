@@ -24,3 +24,12 @@ def checked(file: Path, machine: Machine) -> tuple[Program, Summary]:
     if wrong := misfit(machine, summary.least, summary.greatest, program.needs):
         raise LocalPrinterError(f"{file} does not fit the printer: {wrong}")
     return program, summary
+
+
+def machine_of(profile: str | None) -> Machine:
+    """The machine of a profile; without one it can be anything."""
+    from v3dcad.formats.gcode.machine_profile import read_profile
+    from v3dcad.printer.fit import Machine
+    from v3dcad.settings import PrintSettings
+
+    return Machine.of(PrintSettings(**read_profile(profile))) if profile else Machine()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -51,8 +52,6 @@ def add(name: Name, **settings: Any) -> None:
 @printer_app.command("list")
 def list_printers(as_json: AsJson = False) -> None:
     """List the named printers; keys are not shown."""
-    from dataclasses import asdict
-
     from v3dcad.printer.address_book import printers
 
     known = printers()
@@ -108,15 +107,16 @@ def send(
     as_json: AsJson = False,
 ) -> None:
     """Upload FILE to a named printer. Nothing is printed unless --start is given."""
+    from v3dcad.commands.gcode_check import checked
     from v3dcad.printer.hosts.kinds import host_of
     from v3dcad.printer.sending import Sending
 
     name = to or _named_by(profile)
     settings, address = _known(name)
-    sha256 = _checked(file, _machine(settings))
+    program, _ = checked(file, _machine(settings, profile))
     with Progress() as progress:
-        bar = progress.count(f"sending {file.name}", file.stat().st_size)
-        sending = Sending(host_of(settings.kind), address, file, sha256, bar)
+        bar = progress.count(f"sending {file.name}", program.size)
+        sending = Sending(host_of(settings.kind), address, file, program.sha256, bar)
         sending.check(start=start)
         if sending.exists() and not replace:
             progress.pause()
@@ -158,31 +158,16 @@ def _secret(what: str) -> str:
     return sys.stdin.readline().strip()
 
 
-def _machine(settings: HostSettings) -> Machine:
-    """What a printer can do: bed and height of its profile, limits of its own."""
-    from dataclasses import replace
+def _machine(settings: HostSettings, profile: str | None = None) -> Machine:
+    """What a printer can do: bed and height of a profile, its own first, and its own limits."""
+    from v3dcad.commands.gcode_check import machine_of
 
-    from v3dcad.printer.fit import Machine
-
-    known = Machine()
-    if settings.profile:
-        from v3dcad.formats.gcode.machine_profile import read_profile
-        from v3dcad.settings import PrintSettings
-
-        known = Machine.of(PrintSettings(**read_profile(settings.profile)))
     return replace(
-        known,
+        machine_of(settings.profile or profile),
         nozzle=settings.nozzle or None,
         hottest_nozzle=settings.hottest_nozzle or None,
         hottest_bed=settings.hottest_bed or None,
     )
-
-
-def _checked(file: Path, machine: Machine) -> str:
-    """The file's sha256, once it is known to fit the machine."""
-    from v3dcad.commands.gcode_check import checked
-
-    return checked(file, machine)[0].sha256
 
 
 def _ask_to_replace(name: str, printer: str) -> None:
