@@ -6,9 +6,9 @@ wants (`Resend: 7`), which also tells that it has all lines before. So nothing i
 
 - One line is under way at a time (ping-pong). Once the printer sends advanced `ok N5 P15 B3`,
   whose numbers leave no doubt which line is done, as many lines are as its buffer holds.
-- After `Resend: 7` the sender is quiet for a moment, until answers to what was under way have
-  arrived, and then goes on from line 7. A plain `ok` in that moment says nothing (Marlin adds
-  one to the request, or not, by version), and is left out.
+- After `Resend: 7` nothing is under way any more. The sender is quiet for a moment, until answers to
+  earlier lines have arrived, and then goes on from line 7. A plain `ok` in that moment (Marlin adds
+  one to the request, or not, by version) acknowledges nothing.
 - After a long silence a *probe* is sent: M105 under a number that cannot be right. A printer that
   checks numbers refuses it and says what it wants; then the `ok` was lost, or the line was. One
   that does not check numbers answers it, and so at least lives.
@@ -279,8 +279,6 @@ class Sender:
     def _ok(self, ok: Ok, now: float) -> None:
         if ok.number is not None:
             self._ok_with_number(ok.number, ok.room or 0, now)
-        elif self._settled_at is not None:
-            return
         elif self._asking:
             self._asking = False
             self._probes = 0
