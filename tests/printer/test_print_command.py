@@ -155,7 +155,19 @@ def test_cancel_turns_heaters_off(slow: PtyPrinter, file: Path, tmp_path: Path) 
     assert of_the_file(slow.firmware.obeyed)[-4:] == ["M104 S0", "M140 S0", "M107", "M84"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_print_outlives_the_program_that_started_it(
+    slow: PtyPrinter, file: Path, tmp_path: Path
+) -> None:
+    """The workbench's window crashes: nobody reads and nobody writes any more."""
+    printing = Printing(tmp_path, file, "--port", slow.port)
+    until(lambda: "G1 X20 Y11 E0.1 F1200" in slow.firmware.obeyed)
+    for stream in (printing.process.stdout, printing.process.stdin, printing.process.stderr):
+        stream.close()
+    assert printing.process.wait(WITHIN) == 0
+    assert of_the_file(slow.firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signals_cancel(slow: PtyPrinter, file: Path, tmp_path: Path, number: int) -> None:
     printing = Printing(tmp_path, file, "--port", slow.port)
     until(lambda: "G1 X20 Y11 E0.1 F1200" in slow.firmware.obeyed)

@@ -15,6 +15,10 @@ from typing import Any, TextIO
 KEYS = {"p": "pause", "r": "resume", "c": "cancel", "s": "stop", "y": "yes", "n": "no"}
 MORE_KEYS = {"+": ("speed", 5), "-": ("speed", -5), ">": ("flow", 1), "<": ("flow", -1)}
 """Keys that change an override, and by how many %."""
+CANCELLING = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+]
+"""Signals that ask for an end; Windows has no SIGHUP."""
 DOES = {"pause", "resume", "cancel", "stop"}
 SETS = {"speed", "flow"}
 
@@ -67,7 +71,7 @@ def wish_of(line: str) -> Wish:
 
 @contextlib.contextmanager
 def listening(*, as_json: bool) -> Iterator[Controls]:
-    """Controls that hear Ctrl-C and SIGTERM as cancel, and standard input.
+    """Controls that hear Ctrl-C, SIGTERM and a closed terminal as cancel, and standard input.
 
     Standard input is JSON lines for a program, single keys at a terminal, and otherwise not read.
     A second Ctrl-C breaks off at once (KeyboardInterrupt).
@@ -78,7 +82,7 @@ def listening(*, as_json: bool) -> Iterator[Controls]:
         controls.put(Wish("cancel"))
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
-    before = {number: signal.signal(number, cancel) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, cancel) for number in CANCELLING}
     try:
         with _keys(sys.stdin) if not as_json else contextlib.nullcontext(False) as keys:
             if as_json or keys:

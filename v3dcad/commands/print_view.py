@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -70,7 +72,11 @@ class View(Protocol):
 
 
 class JsonView:
-    """One JSON object a line on standard output; docs/printing.md lists them."""
+    """One JSON object a line on standard output; docs/printing.md lists them.
+
+    Where nobody reads any more, as when the program that started the print has crashed, the print
+    goes on untold.
+    """
 
     def __enter__(self) -> JsonView:
         return self
@@ -79,7 +85,10 @@ class JsonView:
 
     def say(self, event: str, **values: Any) -> None:
         """One event."""
-        typer.echo(json.dumps({"event": event, **values}))
+        try:
+            typer.echo(json.dumps({"event": event, **values}))
+        except BrokenPipeError:
+            sys.stdout = open(os.devnull, "w")  # noqa: SIM115, lives as long as the process
 
     def show(self, sight: Sight) -> None:
         """Progress."""

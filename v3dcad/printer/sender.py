@@ -6,9 +6,9 @@ wants (`Resend: 7`), which also tells that it has all lines before. So nothing i
 
 - One line is under way at a time (ping-pong). Once the printer sends advanced `ok N5 P15 B3`,
   whose numbers leave no doubt which line is done, as many lines are as its buffer holds.
-- After `Resend: 7` nothing is under way any more. The sender is quiet for a moment, until answers to
-  earlier lines have arrived, and then goes on from line 7. A plain `ok` in that moment (Marlin adds
-  one to the request, or not, by version) acknowledges nothing.
+- After `Resend: 7` nothing is under way any more. The sender is quiet for a moment, until answers
+  to earlier lines have arrived, and then goes on from line 7. A plain `ok` in that moment (Marlin
+  adds one to the request, or not, by version) acknowledges nothing.
 - After a long silence a *probe* is sent: M105 under a number that cannot be right. A printer that
   checks numbers refuses it and says what it wants; then the `ok` was lost, or the line was. One
   that does not check numbers answers it, and so at least lives.
