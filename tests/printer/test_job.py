@@ -11,7 +11,8 @@ from printer.world import World, job_for, of_the_file, program
 from v3dcad.errors import LocalPrinterError, SettingError
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.handshake import Greeting, Handshake
-from v3dcad.printer.job import LAST_WORD, Job, Phase
+from v3dcad.printer.job import LAST_WORD, Job
+from v3dcad.printer.progress import Phase
 from v3dcad.printer.sender import HISTORY, Sender
 from v3dcad.printer.settings import PortSettings
 

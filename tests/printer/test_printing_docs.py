@@ -8,9 +8,10 @@ from pathlib import Path
 
 from v3dcad.commands import controls, print_port, print_view
 from v3dcad.printer.ends import End
-from v3dcad.printer.job import Phase
+from v3dcad.printer.patience import Patience
+from v3dcad.printer.progress import Phase
 from v3dcad.printer.resume import AHEAD
-from v3dcad.printer.sender import BYTES_UNDER_WAY, GOES_BACK, Patience
+from v3dcad.printer.sender import BYTES_UNDER_WAY, GOES_BACK
 
 TEXT = (Path(__file__).parents[2] / "docs" / "printing.md").read_text(encoding="utf-8")
 

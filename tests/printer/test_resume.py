@@ -19,7 +19,16 @@ from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.fit import Machine, Needs, misfit
 from v3dcad.printer.handshake import Greeting
 from v3dcad.printer.job import Job
-from v3dcad.printer.journal import HEAD, RECORD, Head, Journal, Record, journal_of, read_journal
+from v3dcad.printer.journal import (
+    HEAD,
+    RECORD,
+    Head,
+    Journal,
+    Record,
+    broken_off,
+    journal_of,
+    read_journal,
+)
 from v3dcad.printer.machine_state import MachineState
 from v3dcad.printer.program import read_program
 from v3dcad.printer.resume import continuation
@@ -229,14 +238,37 @@ def test_the_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not path.exists()
 
 
-def test_journals_that_cannot_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_which_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    path = journal_of(tmp_path / "part.gcode")
-    assert tmp_path in path.parents
-    assert path != journal_of(tmp_path / "other.gcode")
+    file = tmp_path / "part.gcode"
+
+    def begun(port: str, instead_of: Path | None = None) -> Path:
+        path = journal_of(file, port)
+        Journal(path, Head("", "", port, 9600), lambda: 0.0, instead_of=instead_of).close(
+            done=False
+        )
+        return path
+
     with pytest.raises(LocalPrinterError, match="no print of this file was broken off"):
-        read_journal(path)
-    path.mkdir(parents=True)
+        broken_off(file, None)
+    one = begun("/dev/ttyUSB0")
+    assert tmp_path in one.parents
+    assert broken_off(file, None) == broken_off(file, "/dev/ttyUSB7") == one
+    other = begun("/dev/ttyUSB1")
+    assert broken_off(file, "/dev/ttyUSB1") == other
+    with pytest.raises(LocalPrinterError, match=r"give --port \(/dev/ttyUSB0, /dev/ttyUSB1\)"):
+        broken_off(file, None)
+    begun("/dev/ttyUSB0", instead_of=other)
+    assert broken_off(file, None) == one
+    begun("/dev/ttyUSB0", instead_of=one)
+    assert one.exists()
+    with pytest.raises(LocalPrinterError, match="no print"):
+        broken_off(tmp_path / "other.gcode", None)
+
+
+def test_journals_that_cannot_be_used(tmp_path: Path) -> None:
+    path = tmp_path / "a.journal"
+    path.mkdir()
     with pytest.raises(LocalPrinterError, match="cannot be read"):
         read_journal(path)
     with pytest.raises(LocalPrinterError, match="cannot be written"):

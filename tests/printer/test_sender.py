@@ -9,7 +9,8 @@ from printer.world import job_for
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.handshake import QUIET, Handshake
 from v3dcad.printer.lines import numbered
-from v3dcad.printer.sender import HURRY, Patience, Sender
+from v3dcad.printer.patience import Patience
+from v3dcad.printer.sender import HURRY, Sender
 
 PATIENCE = Patience()
 

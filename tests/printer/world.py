@@ -8,8 +8,9 @@ from printer.firmware import Firmware
 
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.handshake import Greeting, Handshake
-from v3dcad.printer.job import Job, Line
-from v3dcad.printer.sender import Patience
+from v3dcad.printer.job import Job
+from v3dcad.printer.patience import Patience
+from v3dcad.printer.progress import Line
 from v3dcad.printer.settings import PortSettings
 
 HOURS = 100 * 3600.0

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from v3dcad.printer.ends import End
     from v3dcad.printer.handshake import Greeting
     from v3dcad.printer.job import Job
-    from v3dcad.printer.journal import Record
+    from v3dcad.printer.journal import Head, Record
     from v3dcad.printer.program import Program
     from v3dcad.printer.resume import Continuation
     from v3dcad.printer.serial_link import SerialLink
@@ -60,9 +60,12 @@ def print_file(
     chosen.park_place()
     program, summary = checked(file, machine_of(profile))
     extent = Extent(file.name, program.size, program.commands, summary.layers, summary.time_s)
-    record = None
+    before = None
     if resume:
-        port, chosen, record = _broken_off(program, port, chosen)
+        before = _broken_off(program, port)
+        port = port or before.head.port
+        if chosen.baud == "auto":
+            chosen = replace(chosen, baud=before.head.baud)
     with (
         listening(as_json=as_json) as controls,
         _open(named(port), chosen, reset=chosen.reset and not resume) as link,
@@ -71,10 +74,10 @@ def print_file(
         printing = _Printing(program, extent, chosen, link, controls, view)
         greeting, baud = printing.greet(fresh=not resume)
         onward = None
-        if record is not None:
-            onward = printing.onward(record, greeting)
+        if before is not None:
+            onward = printing.onward(before.record, greeting)
             _confirm(yes, as_json, controls)
-        end = printing.run(greeting, baud, onward)
+        end = printing.run(greeting, baud, onward, before.journal if before else None)
     if end == "cancelled":
         raise typer.Exit(CANCELLED)
 
@@ -134,7 +137,13 @@ class _Printing:
         self.view.say("resume", text=text, exact=found.exact)
         return found
 
-    def run(self, greeting: Greeting, baud: int, onward: Continuation | None) -> End:
+    def run(
+        self,
+        greeting: Greeting,
+        baud: int,
+        onward: Continuation | None,
+        earlier_journal: Path | None,
+    ) -> End:
         """Print to the end, which is told and returned; bad ends raise."""
         from v3dcad.printer.drive import run_job
         from v3dcad.printer.ends import PrintError
@@ -143,7 +152,9 @@ class _Printing:
 
         path = self.program.path
         head = Head(str(path.resolve()), self.program.sha256, self.link.port, baud)
-        journal = Journal(journal_of(path), head, time.monotonic)
+        journal = Journal(
+            journal_of(path, self.link.port), head, time.monotonic, instead_of=earlier_journal
+        )
         done_before = onward.lines_done if onward else 0
         job = Job(
             (line for line in self.program.lines() if line.number > done_before),
@@ -215,20 +226,26 @@ class _Turn:
                 self.printing.view.say("mistake", text=wish.text)
 
 
-def _broken_off(
-    program: Program, port: str | None, settings: PortSettings
-) -> tuple[str, PortSettings, Record]:
-    """What the journal says of a print: its port and rate, unless others are given, how far."""
-    from v3dcad.printer.journal import journal_of, read_journal
+@dataclass(frozen=True, slots=True)
+class _Before:
+    """A print that was broken off."""
 
-    head, record = read_journal(journal_of(program.path))
+    journal: Path
+    head: Head
+    record: Record
+
+
+def _broken_off(program: Program, port: str | None) -> _Before:
+    """What the journal says of a print; raises if the file has changed since."""
+    from v3dcad.printer.journal import broken_off, read_journal
+
+    journal = broken_off(program.path, port)
+    head, record = read_journal(journal)
     if head.sha256 != program.sha256:
         raise LocalPrinterError(
             f"--resume: {program.path} is not the file that was printed; it was changed since"
         )
-    if settings.baud == "auto":
-        settings = replace(settings, baud=head.baud)
-    return port or head.port, settings, record
+    return _Before(journal, head, record)
 
 
 def _view(as_json: bool) -> View:

@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from v3dcad.printer.job import Snapshot
+    from v3dcad.printer.progress import Snapshot
 
 EVERY = 1.0
 """Seconds between two looks at a print, live or in JSON."""

@@ -4,8 +4,10 @@ Without I/O; the clock comes in as a number:
 lines          G-code lines with number and checksum
 replies        what printers say
 handshake      the first words: which firmware, does it check numbers
+patience       how long a printer is waited for
 sender         each line once and in order, whatever is lost on the way
 job            a print: pause, cancel, overrides, a proven end
+progress       what a print is made of, and how far it is
 machine_state  where a printer stands, its modes and heat
 resume         where a print that was broken off goes on
 fit            whether a file fits a machine

@@ -16,15 +16,15 @@ import re
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import Protocol
 
 from v3dcad.errors import SettingError
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.handshake import Greeting
 from v3dcad.printer.machine_state import MachineState
+from v3dcad.printer.patience import Patience
+from v3dcad.printer.progress import Line, Phase, Recorder, Snapshot
 from v3dcad.printer.replies import Action, Busy, Failure, Ok, Temperatures, Text
-from v3dcad.printer.sender import Acknowledged, Event, Patience, Sender
+from v3dcad.printer.sender import Acknowledged, Event, Sender
 from v3dcad.printer.settings import PortSettings
 
 POLL = 5.0
@@ -37,64 +37,6 @@ ALL_DONE = "M400"
 LAST_WORD = 300.0
 """Seconds of silence, after which a printer that says no temperatures at the end is taken to be
 done. Repetier says ok to M400 when it has it; only the answer to M105 comes after the last move."""
-
-
-class Phase(StrEnum):
-    """What a job is doing."""
-
-    PRINTING = "printing"
-    PAUSING = "pausing"
-    PAUSED = "paused"
-    RESUMING = "resuming"
-    CANCELLING = "cancelling"
-    FINISHING = "finishing"
-    ENDED = "ended"
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """One command of a file."""
-
-    number: int
-    """counted from 1, lines without a command left out"""
-    command: str
-    offset: int
-    """bytes of the file up to the line's end"""
-
-
-class Recorder(Protocol):
-    """What keeps a job's progress; `journal.Journal` does so in a file."""
-
-    def sent(self, line: int, wire: int) -> None:
-        """Line `line` of the file is about to go out under number `wire`."""
-
-    def acknowledged(self, line: int, wire: int) -> None:
-        """The printer has all lines up to `line` of the file, and up to number `wire`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """How far a job is, to be shown."""
-
-    phase: Phase
-    end: End | None
-    line: int
-    """the file's last command acknowledged"""
-    offset: int
-    """bytes of the file up to it"""
-    layer: int
-    height: float | None
-    """of the layer, mm"""
-    minutes_left: float | None
-    """as the file's own M73 says, None where it says nothing"""
-    temperatures: dict[str, tuple[float, float | None]]
-    """heaters, what they have and should have, °C"""
-    doing: str
-    """what a busy printer says that it does"""
-    speed: int
-    flow: int
-    """overrides, %"""
-    resent: int
 
 
 @dataclass(slots=True)

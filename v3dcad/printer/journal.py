@@ -1,11 +1,11 @@
 """How far a print is, kept in a file, so that it can go on after host, cable or power failed.
 
-The journal of a file lies in the user's folder for state, under a name made of the file's path.
-Its head says what is printed where. Behind it lie two records that are written in turn, each with
-a checksum: whatever happens while one is written, the other is whole. A record is written before
-a line goes out and after it is acknowledged; what was written survives the end of this process at
-once, and a power failure when it has been flushed to the disk, which happens every second and
-with every line that is not the file's.
+A journal lies in the user's folder for state, under a name made of the file's path and the port, so
+that several printers may print one file at a time. Its head says what is printed where. Behind it
+lie two records that are written in turn, each with a checksum: whatever happens while one is
+written, the other is whole. A record is written before a line goes out and after it is
+acknowledged; what was written survives the end of this process at once, and a power failure when it
+has been flushed to the disk, which happens every second and with every line that is not the file's.
 """
 
 from __future__ import annotations
@@ -61,16 +61,52 @@ class Record:
         return self.sent_line - (self.sent_wire - wire)
 
 
-def journal_of(file: Path) -> Path:
-    """Where the journal of a file's print lies."""
-    name = hashlib.sha256(str(file.resolve()).encode()).hexdigest()[:20]
-    return platformdirs.user_state_path("v3dcad") / "prints" / f"{name}.journal"
+def journal_of(file: Path, port: str) -> Path:
+    """Where the journal of a file's print over a port lies."""
+    return _folder() / f"{_short(str(file.resolve()))}-{_short(port)}.journal"
+
+
+def broken_off(file: Path, port: str | None) -> Path:
+    """The journal of a file's print that was broken off.
+
+    Where several printers printed it, `port` says which. With one it need not be the same, since a
+    port may have another name after a restart. Raises `LocalPrinterError` where none is found.
+    """
+    found = sorted(_folder().glob(f"{_short(str(file.resolve()))}-*.journal"))
+    if port is not None and journal_of(file, port) in found:
+        return journal_of(file, port)
+    if not found:
+        raise LocalPrinterError(
+            "--resume: no print of this file was broken off on this computer; print it without"
+        )
+    if len(found) > 1:
+        ports = ", ".join(sorted(read_journal(path)[0].port for path in found))
+        raise LocalPrinterError(f"--resume: several prints were broken off; give --port ({ports})")
+    return found[0]
+
+
+def _folder() -> Path:
+    return platformdirs.user_state_path("v3dcad") / "prints"
+
+
+def _short(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 class Journal:
-    """Writes one print's journal; a `job.Recorder`."""
+    """Writes one print's journal; a `progress.Recorder`.
 
-    def __init__(self, path: Path, head: Head, clock: Callable[[], float]) -> None:
+    `instead_of` is the journal of the print that goes on: it is deleted when this one is there.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        head: Head,
+        clock: Callable[[], float],
+        *,
+        instead_of: Path | None = None,
+    ) -> None:
         text = json.dumps(asdict(head)).encode()
         if len(text) >= HEAD:
             raise LocalPrinterError(f"{head.file}: the path is too long; move the file")
@@ -79,6 +115,8 @@ class Journal:
             self._stream = path.open("wb", buffering=0)
             self._stream.write(text.ljust(HEAD, b" ") + b" " * (2 * RECORD))
             os.fsync(self._stream.fileno())
+            if instead_of is not None and instead_of != path:
+                instead_of.unlink(missing_ok=True)
         except OSError as error:
             message = f"{path}: the journal cannot be written ({error.strerror})"
             raise LocalPrinterError(message) from error
@@ -115,13 +153,9 @@ class Journal:
 
 
 def read_journal(path: Path) -> tuple[Head, Record]:
-    """What a journal says. Raises `LocalPrinterError` if there is none, or it cannot be read."""
+    """What a journal says. Raises `LocalPrinterError` if it cannot be read."""
     try:
         data = path.read_bytes()
-    except FileNotFoundError:
-        raise LocalPrinterError(
-            "--resume: no print of this file was broken off on this computer; print it without"
-        ) from None
     except OSError as error:
         message = f"{path}: the journal cannot be read ({error.strerror})"
         raise LocalPrinterError(message) from error

@@ -17,8 +17,8 @@ from typing import BinaryIO
 from v3dcad.errors import FormatError
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.fit import Needs
-from v3dcad.printer.job import Line
 from v3dcad.printer.lines import LONGEST, command_of, name_of
+from v3dcad.printer.progress import Line
 
 LOOK_EVERY = 1000
 """Lines after which is looked whether the file has changed."""

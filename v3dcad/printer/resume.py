@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 from v3dcad.errors import LocalPrinterError
 from v3dcad.printer.handshake import Greeting
-from v3dcad.printer.job import Line
 from v3dcad.printer.journal import Record
 from v3dcad.printer.lines import name_of
 from v3dcad.printer.machine_state import MOVES, MachineState
+from v3dcad.printer.progress import Line
 
 AHEAD = 24
 """Lines that a printer acknowledges before it has moved: Marlin plans 16 moves and holds 4 to 8

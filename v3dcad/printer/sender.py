@@ -30,6 +30,7 @@ from dataclasses import dataclass
 from v3dcad.errors import LocalPrinterError
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.lines import is_slow, numbered
+from v3dcad.printer.patience import Patience
 from v3dcad.printer.replies import (
     Busy,
     Failure,
@@ -57,25 +58,6 @@ STILL_SLOW = 8
 """Lines behind a slow command for which the printer is given as much time."""
 HURRY = 0.5
 """Seconds after which a printer that says `wait` cannot have the line that is under way."""
-
-
-@dataclass(frozen=True, slots=True)
-class Patience:
-    """How long is waited, in seconds, and how often is asked again."""
-
-    answer: float = 10.0
-    """silence before each probe; after one more such silence the print ends"""
-    probes: int = 5
-    slow: float = 1800.0
-    """silence that ends the print while a command is under way that may take minutes"""
-    resends: int = 10
-    """how often one line is sent again"""
-    settle: float = 0.1
-    """quiet after a Resend until all answers to earlier lines are taken to be here"""
-
-    def most(self, slow: bool) -> float:
-        """The longest silence, s; then the print ends with `no answer`."""
-        return self.slow if slow else (self.probes + 1) * self.answer
 
 
 @dataclass(frozen=True, slots=True)
