@@ -71,6 +71,8 @@ class Firmware:
     """every command obeyed, without number"""
     numbers: list[int] = field(default_factory=list)
     """the numbers of those that had one, in order"""
+    taken: list[str] = field(default_factory=list)
+    """every numbered line taken, as it arrived"""
     last: int = 0
     connected: bool = True
     halted: bool = False
@@ -189,6 +191,7 @@ class Firmware:
             self.ask_again(what, now)
         else:
             self.last = int(sets[1]) if sets else number
+            self.taken.append(line)
             self.enqueue(number, command, now)
 
     def ask_again(self, why: str, now: float) -> None:

@@ -75,7 +75,7 @@ def machine(commands: list[str]) -> Printer:
 @given(st.lists(COMMAND, max_size=30), st.lists(COMMAND, min_size=1, max_size=10))
 def test_parking_and_coming_back_changes_nothing(before: list[str], after: list[str]) -> None:
     """A printer that parked goes on as one that did not: places, feeds, filament."""
-    before = ["G28", "G90", "M82", "G1 X5 Y5 Z1 F600", *before]
+    before = ["M109 S200", "G28", "G90", "M82", "G1 X5 Y5 Z1 F600", *before]
     state = state_after(*before)
     aside = state.park((0.0, 200.0), 10.0, 2.0) + state.unpark(2.0)
     straight, parked = machine([*before, *after]), machine([*before, *aside, *after])
@@ -114,6 +114,8 @@ def test_state() -> None:
     assert "M107" in state.after_reset(0.2)
     assert state_after("M104 S0").heat() == []
     assert state_after("G1 Z1").park((0, 0), 10, 2)[-1] == "G90", "x and y are not known"
+    cold = state_after("G1 X1 Y1 Z1 F600")
+    assert not [line for line in cold.park((0, 0), 10, 2) + cold.unpark(2) if "G1 E" in line]
 
 
 @given(st.integers(1, len(FILE)))

@@ -91,8 +91,7 @@ class MachineState:
         """
         if "Z" not in self.place:
             return []
-        lines = ["G21", "M83", f"G1 E-{retraction:g} F1800", "G91", f"G1 Z{lift:g} F{RISE:g}"]
-        lines += ["G90"]
+        lines = ["G21", *self._feed(-retraction), "G91", f"G1 Z{lift:g} F{RISE:g}", "G90"]
         if place is not None and {"X", "Y"} <= self.place.keys():
             lines += [f"G1 X{place[0]:g} Y{place[1]:g} F{TRAVEL:g}"]
         return lines
@@ -106,8 +105,7 @@ class MachineState:
             "G21",
             "G90",
             *self._go(),
-            "M83",
-            f"G1 E{retraction:g} F1800",
+            *self._feed(retraction),
             *self._modes(),
         ]
 
@@ -139,6 +137,10 @@ class MachineState:
             f"M106 S{self.fan:g}" if self.fan else "M107",
             *self._modes(),
         ]
+
+    def _feed(self, length: float) -> list[str]:
+        """Filament moved, unless the nozzle may be cold: Klipper takes that for an error."""
+        return ["M83", f"G1 E{length:g} F1800"] if self.nozzle else []
 
     def _go(self) -> list[str]:
         flat = [f"{axis}{self.place[axis]:.10g}" for axis in "XY" if axis in self.place]

@@ -2,7 +2,8 @@
 
 Line numbers decide what arrived; `ok` only paces. A printer that checks numbers takes a line only
 if its number follows the last one's and the checksum holds; otherwise it says which number it
-wants (`Resend: 7`), which also tells that it has all lines before. So nothing is ever guessed:
+wants (`Resend: 7`), which also tells that it has all lines before. So nothing is ever guessed. (The
+checksum has 8 bits: a line spoilt in several places can pass for whole, and no host can tell.)
 
 - One line is under way at a time (ping-pong). Once the printer sends advanced `ok N5 P15 B3`,
   whose numbers leave no doubt which line is done, as many lines are as its buffer holds.
