@@ -123,7 +123,7 @@ class Firmware:
         times = [time for time, _ in list(self.out)[:1]]
         if self.done_at is not None and not self.halted:
             times.append(min(self.done_at, self.busy_at) if self.keepalive else self.done_at)
-        elif self.kind == "repetier" and self.connected:
+        elif self.kind == "repetier" and self.connected and not self.halted:
             times.append(self.idle_since + 1.0)
         return min(times) if times else None
 

@@ -66,6 +66,7 @@ HOT = {"T": (201.3, 200.0), "B": (60.1, 60.0)}
         ("ok N5 P15 B3ok N6 P15 B3", [Ok(5, 3), Ok(6, 3)]),
         ("okResend: 7", [Ok(), Resend(7)]),
         ("Resend: 7ok", [Resend(7), Ok()]),
+        ("okstart", [Ok(), Started()]),
         ("okecho:busy: processing", [Ok(), Busy("processing")]),
     ],
 )  # fmt: skip

@@ -115,7 +115,7 @@ Reply = (
 )
 
 HEATER = re.compile(r"\b([TBC]\d*)\s*:\s*(-?\d+(?:\.\d+)?)(?:\s*/\s*(-?\d+(?:\.\d+)?))?")
-GLUED = re.compile(r"(?<=[\dk])(?=ok(?:$|[ \dok])|Resend:|rs \d|Error:|echo:|busy:|//|wait$)")
+GLUED = re.compile(r"(?<=[\dk])(?=ok(?:$|[ \dok])|Resend:|rs \d|Error:|echo:|busy:|//|!!|wait$|start$)")
 """Where a reply begins in the middle of a line, because a newline was lost before it."""
 
 ABOUT_LINES = ("checksum", "line number", "last line", "format error", "expected line")
