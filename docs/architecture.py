@@ -97,8 +97,9 @@ ROOMS = (
             "pipeline", "forms", "ont", "parts", "recipes", "report", "slicing", "files",
             "version", "__init__",
         ),
-        0, 112, 6, 178,
+        0, 112, 5, 178,
     ),
+    Room("printer/", ("printer",), 5, 112, 1, 178),
     Room("kernel/", ("kernel",), 0, 332, 2),
     Room("structure/", ("structure",), 2, 332),
     Room("toolpath/", ("toolpath",), 3, 332),
@@ -286,7 +287,7 @@ def picture(package: Path = ROOT / "v3dcad") -> str:
     path = next(room for room in ROOMS if room.modules[0] == "pipeline")
     beside = ", ".join(name for name in path.modules[1:] if name != "__init__")
     inner = [room for room in ROOMS if room.modules[0].startswith("geometry")]
-    aside = next(room for room in inner if room.modules == ("geometry/power_diagram",))
+    aside = next(room for room in inner if room.modules == ("geometry/voronoi",))
     base = [room for room in ROOMS if room.modules[0] in KNOWN_TO_ALL]
     return "\n".join(
         [
@@ -303,8 +304,8 @@ def picture(package: Path = ROOT / "v3dcad") -> str:
             f'<rect class="paper" width="{WIDTH}" height="{HEIGHT}"/>',
             frame(inner),
             frame(base),
-            text(aside.x + aside.width + 24, aside.y + 40, "geometry/", "name"),
-            text(aside.x + aside.width + 24, aside.y + 58, sentence(package, "geometry")),
+            text(aside.middle + 24, aside.y + 178, "geometry/", "name"),
+            text(aside.middle + 24, aside.y + 196, sentence(package, "geometry")),
             text(LEFT + 1, base[0].y - 12, "known to all", "name"),
             *(line for room in ROOMS for line in drawn_room(room, package)),
             text(path.x + 9, path.y + path.height - 12, f"beside it: {beside}"),

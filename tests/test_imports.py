@@ -43,6 +43,7 @@ MAY_IMPORT = {
         "options",
         "parts",
         "pipeline",
+        "printer",
         "recipes",
         "report",
         "slicing",
@@ -76,7 +77,8 @@ ONLY_IN = {
     "llvmlite": {"geometry/compiled"},
     "build123d": {"adapters"},
     "cadquery": {"adapters"},
-    "serial": {"printer"},
+    "serial": {"printer/serial_link.py"},
+    "aiohttp": {"printer/http_link.py"},
 }
 """Libraries that only some places may import."""
 

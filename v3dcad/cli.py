@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from v3dcad.commands import fill, gcode, ont, setup
+from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup
 from v3dcad.commands import slice as slicing
 from v3dcad.errors import V3dcadError
 
@@ -25,10 +25,15 @@ def _app() -> None:
 app.command()(fill.fill)
 app.command()(fill.info)
 app.command("slice")(slicing.slice_part)
+app.command("print")(print_port.print_file)
+app.command()(ports.ports)
+app.command()(ports.console)
+app.command()(printer.send)
 app.command()(setup.warm_up)
 app.add_typer(ont.ont_app)
 app.add_typer(gcode.gcode_app)
 app.add_typer(gcode.nc_app)
+app.add_typer(printer.printer_app)
 
 
 def main() -> None:

@@ -357,6 +357,9 @@ class PrintSettings(Checked):
     bed_origin: str = setting(
         "corner", "Where the printer's x and y are 0.", choices=("corner", "centre")
     )
+    printer: str = setting(
+        "", "Name of the printer that `send` sends to, as `printer list` shows it."
+    )
     start_gcode: str = setting(
         START, "G-code before the first move; {nozzle_temperature} stands for that setting's value."
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -34,6 +34,19 @@ class Progress:
     def start(self, what: str) -> None:
         """Begin a step of the work whose length is not known yet."""
         self.bar.reset(self.task, total=None, description=what)
+
+    def count(self, what: str, total: int) -> Callable[[int], None]:
+        """Begin a step of known length; the function moves the bar by so much."""
+        self.bar.reset(self.task, total=total, description=what)
+        return lambda done: self.bar.advance(self.task, done)
+
+    def pause(self) -> None:
+        """Take the bar away, so that something can be asked; `go_on` brings it back."""
+        self.bar.stop()
+
+    def go_on(self) -> None:
+        """Show the bar again."""
+        self.bar.start()
 
     def watch(self, layers: Sequence[T]) -> Sequence[T]:
         """The same layers or sections; going through them moves the bar."""

@@ -1,0 +1,339 @@
+"""Going on after a break: state, journal, and where the print is taken up again."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from printer.firmware import Firmware
+from printer.world import World, job_for, of_the_file, program
+from simulated_printer import Printer
+
+from v3dcad.errors import FormatError, LocalPrinterError
+from v3dcad.printer import journal
+from v3dcad.printer.ends import End, PrintError
+from v3dcad.printer.fit import Machine, Needs, misfit
+from v3dcad.printer.handshake import Greeting
+from v3dcad.printer.job import Job
+from v3dcad.printer.journal import (
+    HEAD,
+    RECORD,
+    Head,
+    Journal,
+    Record,
+    broken_off,
+    journal_of,
+    read_journal,
+)
+from v3dcad.printer.machine_state import MachineState
+from v3dcad.printer.program import read_program
+from v3dcad.printer.resume import continuation
+from v3dcad.printer.settings import PortSettings
+
+HEADER = ["M140 S60", "M104 S200", "M190 S60", "M109 S200", "G21", "G90", "G28", "M204 P500 T500",
+          "M106 S128", "M83", "G92 E0"]  # fmt: skip
+LAYERS = [[f"G1 Z{0.2 * n:.1f} F600", *(f"G1 X{x} Y{n} E0.1 F1200" for x in range(1, 31))]
+          for n in range(1, 6)]  # fmt: skip
+FILE = [*HEADER, *(line for layer in LAYERS for line in layer), "M104 S0", "M84"]
+ALIVE = Greeting("Marlin", {}, checks_numbers=True)
+
+
+def state_after(*commands: str) -> MachineState:
+    state = MachineState()
+    for command in commands:
+        state.follow(command)
+    return state
+
+
+MOVE = st.builds(
+    lambda name, words: " ".join([name, *words]),
+    st.sampled_from(["G0", "G1"]),
+    st.lists(
+        st.builds(lambda a, v: f"{a}{v}", st.sampled_from("XYZE"), st.integers(-20, 20)),
+        min_size=1, max_size=4, unique_by=lambda word: word[0],
+    ),
+)  # fmt: skip
+COMMAND = MOVE | st.sampled_from(["G90", "G91", "M82", "M83", "G92 E0", "G92 E3", "G1 F900"])
+
+
+class Careless(Printer):
+    """The printer of the G-code tests, which is written without v3dcad; takes any E."""
+
+    def move(self, name: str, values: dict[str, float]) -> None:
+        self.retracted = 0.0
+        super().move(name, values)
+
+
+def machine(commands: list[str]) -> Printer:
+    return Careless(feed=600.0).run("\n".join(commands))
+
+
+@given(st.lists(COMMAND, max_size=30), st.lists(COMMAND, min_size=1, max_size=10))
+def test_parking_and_coming_back_changes_nothing(before: list[str], after: list[str]) -> None:
+    """A printer that parked goes on as one that did not: places, feeds, filament."""
+    before = ["M109 S200", "G28", "G90", "M82", "G1 X5 Y5 Z1 F600", *before]
+    state = state_after(*before)
+    aside = state.park((0.0, 200.0), 10.0, 2.0) + state.unpark(2.0)
+    straight, parked = machine([*before, *after]), machine([*before, *aside, *after])
+    assert parked.position == pytest.approx(straight.position)
+    assert parked.e == pytest.approx(straight.e)
+    assert (parked.absolute, parked.absolute_e) == (straight.absolute, straight.absolute_e)
+    count = len([command for command in after if command[:2] in ("G0", "G1")])
+    both = (list(reversed(one.moves))[:count] for one in (parked, straight))
+    for one, other in zip(*both, strict=True):
+        assert one.feed == other.feed
+        assert one.start == pytest.approx(other.start)
+        assert one.extruded == pytest.approx(other.extruded)
+
+
+def test_state() -> None:
+    text = "G20, G1 X1 Y2 Z0.1 F10, G92 E0.5 Z0.2, T1, M106, M220 S90, M104 R190, M190 S70, M117 hi"
+    state = state_after(*text.split(", "), "SET_VELOCITY_LIMIT ACCEL=900")
+    assert state.place == pytest.approx({"X": 25.4, "Y": 50.8, "Z": 5.08})
+    assert state.e == pytest.approx(12.7)
+    assert state.feed == 254
+    assert (state.tool, state.fan, state.nozzle, state.bed) == ("T1", 255, 190, 70)
+    assert state.kept == {"M220": "M220 S90", "SET_VELOCITY_LIMIT": "SET_VELOCITY_LIMIT ACCEL=900"}
+    restored = state.after_reset(5.08)
+    assert restored[:4] == ["M140 S70", "M104 S190", "M190 S70", "M109 S190"]
+    assert {"M220 S90", "T1", "M106 S255", "G28 X Y", "G20"} <= set(restored)
+    assert "G28" not in restored
+    state.follow("G28 X")
+    assert set(state.place) == {"Y", "Z"}
+    state.follow("G28")
+    assert state.place == {}
+    assert state.park((0, 0), 10, 2) == state.unpark(2) == []
+    state.follow("G91")
+    state.follow("G1 X5")
+    assert state.place == {}, "a relative move from an unknown place"
+    state.follow("M107")
+    assert "M107" in state.after_reset(0.2)
+    assert state_after("M104 S0").heat() == []
+    assert state_after("G1 Z1").park((0, 0), 10, 2)[-1] == "G90", "x and y are not known"
+    cold = state_after("G1 X1 Y1 Z1 F600")
+    assert not [line for line in cold.park((0, 0), 10, 2) + cold.unpark(2) if "G1 E" in line]
+
+
+@given(st.integers(1, len(FILE)))
+def test_a_living_printer_goes_on_with_the_line_it_wants(done: int) -> None:
+    record = Record(done, done, done + 1, done + 1)
+    for has in (done, done + 1):
+        greeting = dataclasses.replace(ALIVE, last=has)
+        onward = continuation(program(FILE), record, greeting)
+        assert onward.exact
+        assert onward.lines_done == min(has, len(FILE))
+
+
+@given(st.integers(len(HEADER) + 3, len(FILE)))
+def test_after_a_reset_a_layer_is_printed_from_its_start(done: int) -> None:
+    record = Record(done, done + 7, done + 1, done + 8)
+    for greeting in (
+        dataclasses.replace(ALIVE, last=0),
+        dataclasses.replace(ALIVE, last=done + 7, was_reset=True),
+        dataclasses.replace(ALIVE, last=5),
+        Greeting("Klipper"),
+    ):
+        onward = continuation(program(FILE), record, greeting)
+        assert not onward.exact
+        starts = [len(HEADER) + n * len(LAYERS[0]) for n in range(len(LAYERS))]
+        behind = max(done - 24, len(HEADER) + 2)
+        assert onward.lines_done == max(start for start in starts if start + 2 <= behind)
+        assert "G28 X Y" in onward.before
+        assert "M204 P500 T500" in onward.before
+        height = float(onward.before[onward.before.index("G91") - 1].removeprefix("G92 Z"))
+        layer = starts.index(onward.lines_done)
+        assert height == pytest.approx(0.2 * max(layer, 0)) or height == pytest.approx(
+            0.2 * (layer + 1)
+        )
+
+
+@given(st.integers(len(HEADER) + 3, len(FILE) - 3))
+def test_a_print_broken_off_anywhere_and_resumed_is_whole(at: int) -> None:
+    """The host is gone after some line; the board lives. Each line is obeyed once."""
+    firmware = Firmware()
+    told: list[Record] = [Record()]
+
+    class Keeper:
+        def sent(self, line: int, wire: int) -> None:
+            told.append(Record(told[-1].line, told[-1].wire, line, wire))
+
+        def acknowledged(self, line: int, wire: int) -> None:
+            sent = max(line, told[-1].sent_line)
+            told.append(Record(line, wire, sent, told[-1].sent_wire))
+
+    world, job = job_for(firmware, FILE, recorder=Keeper())
+
+    class GoneError(Exception):
+        pass
+
+    def die() -> None:
+        raise GoneError
+
+    with pytest.raises(GoneError):
+        world.run(job, (lambda: len(firmware.numbers) >= at, die))
+    greeting = world.shake_hands(fresh=False)
+    lines = program(FILE)
+    onward = continuation(lines, told[-1], greeting)
+    assert onward.exact
+    rest = Job(
+        lines[onward.lines_done :], greeting, PortSettings(), before=onward.before,
+        state=onward.state, lines_done=onward.lines_done, offset=onward.offset,
+    )  # fmt: skip
+    assert world.run(rest) == End.FINISHED
+    heating = set(HEADER[:4])
+    once = [line for line in of_the_file(firmware.obeyed) if line not in heating and
+            line != "M115"]  # fmt: skip
+    assert once == [line for line in FILE if line not in heating]
+
+
+@pytest.mark.parametrize(
+    ("commands", "message"),
+    [
+        (HEADER, "no layer was begun"),
+        (["G28", "G1 X1 Y1 Z1 F600", "G1 X2 E1"] + ["G1 X3 E2"] * 40, "does not say how hot"),
+    ],
+)
+def test_what_cannot_be_resumed(commands: list[str], message: str) -> None:
+    with pytest.raises(LocalPrinterError, match=message):
+        continuation(program(commands), Record(len(commands), 9, 0, 0), Greeting("Klipper"))
+
+
+def test_lines_of_ours_and_of_the_file_are_told_apart() -> None:
+    between = Record(line=10, wire=12, sent_line=13, sent_wire=15)
+    assert [between.line_of(wire) for wire in (11, 12, 14, 15)] == [None, 10, 12, 13]
+    ours = Record(line=10, wire=12, sent_line=10, sent_wire=13)
+    assert [ours.line_of(wire) for wire in (12, 13)] == [10, 10]
+
+
+def test_the_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    times = iter([0.0, *(0.2 * n for n in range(1000))])
+    flushed: list[int] = []
+    monkeypatch.setattr(os, "fsync", flushed.append)
+    path = tmp_path / "deep" / "a.journal"
+    head = Head("/a/part.gcode", "00ff", "/dev/ttyUSB0", 115200)
+    one = Journal(path, head, lambda: next(times))
+    assert read_journal(path) == (head, Record())
+    assert len(flushed) == 1
+    one.sent(1, 1)
+    assert read_journal(path)[1] == Record(0, 0, 1, 1)
+    one.acknowledged(1, 1)
+    one.sent(2, 2)
+    assert read_journal(path)[1] == Record(1, 1, 2, 2)
+    count = len(flushed)
+    one.sent(1, 3)
+    assert len(flushed) == count + 1, "a line that is not the file's is flushed at once"
+    for number in range(2, 60):
+        one.sent(number, number + 2)
+    assert count + 5 < len(flushed) < 30
+    data = bytearray(path.read_bytes())
+    newest = HEAD + RECORD * (one._count % 2)
+    data[newest + 3] ^= 1
+    path.write_bytes(data)
+    assert read_journal(path)[1].sent_line == 58, "a torn record leaves the one before"
+    one.close(done=False)
+    assert path.exists()
+    Journal(path, head, lambda: 0.0).close(done=True)
+    assert not path.exists()
+
+
+def test_which_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    file = tmp_path / "part.gcode"
+
+    def begun(port: str, instead_of: Path | None = None) -> Path:
+        path = journal_of(file, port)
+        Journal(path, Head("", "", port, 9600), lambda: 0.0, instead_of=instead_of).close(
+            done=False
+        )
+        return path
+
+    with pytest.raises(LocalPrinterError, match="no print of this file was broken off"):
+        broken_off(file, None)
+    one = begun("/dev/ttyUSB0")
+    assert tmp_path in one.parents
+    assert broken_off(file, None) == broken_off(file, "/dev/ttyUSB7") == one
+    other = begun("/dev/ttyUSB1")
+    assert broken_off(file, "/dev/ttyUSB1") == other
+    with pytest.raises(LocalPrinterError, match=r"give --port \(/dev/ttyUSB0, /dev/ttyUSB1\)"):
+        broken_off(file, None)
+    begun("/dev/ttyUSB0", instead_of=other)
+    assert broken_off(file, None) == one
+    begun("/dev/ttyUSB0", instead_of=one)
+    assert one.exists()
+    with pytest.raises(LocalPrinterError, match="no print"):
+        broken_off(tmp_path / "other.gcode", None)
+
+
+def test_journals_that_cannot_be_used(tmp_path: Path) -> None:
+    path = tmp_path / "a.journal"
+    path.mkdir()
+    with pytest.raises(LocalPrinterError, match="cannot be read"):
+        read_journal(path)
+    with pytest.raises(LocalPrinterError, match="cannot be written"):
+        Journal(path, Head("", "", "", 0), lambda: 0.0)
+    path.rmdir()
+    path.write_text("[]")
+    with pytest.raises(LocalPrinterError, match="this is no journal"):
+        read_journal(path)
+    with pytest.raises(LocalPrinterError, match="path is too long"):
+        Journal(path, Head("x" * journal.HEAD, "", "", 0), lambda: 0.0)
+
+
+def test_a_program(tmp_path: Path) -> None:
+    file = tmp_path / "part.gcode"
+    file.write_bytes(
+        b"; nozzle_diameter = 0.4\r\nM109 S215\r\nM190 R70 ; bed\r\n\r\nN7 G1 X1*99\r\n"
+    )
+    found = read_program(file)
+    assert (found.commands, found.size, found.longest_at) == (3, file.stat().st_size, 2)
+    assert found.needs == Needs(0.4, 215.0, 70.0)
+    lines = list(found.lines())
+    assert [line.command for line in lines] == ["M109 S215", "M190 R70", "G1 X1"]
+    assert [line.offset for line in lines][-1] == found.size
+    size = file.stat().st_size
+    file.write_bytes(b"x" * size)
+    with pytest.raises(PrintError, match="file changed"):
+        list(found.lines())
+    with pytest.raises(FormatError, match="cannot be read"):
+        read_program(tmp_path)
+    file.write_bytes(b"G1 X1\n" + b" " * 5000)
+    with pytest.raises(FormatError, match="line 2: this is no G-code"):
+        read_program(file)
+
+
+BOX = Machine(bed=(200, 100), height=50, nozzle=0.4, hottest_nozzle=250, hottest_bed=80)
+
+
+@pytest.mark.parametrize(
+    ("machine", "corners", "needs", "words"),
+    [
+        (BOX, ((0, 0, 0), (200.005, 100, 50)), Needs(0.4, 250, 80), []),
+        (BOX, ((-1, 0, 0), (200, 101, 51)), Needs(), ["x runs", "y runs", "51 mm high"]),
+        (Machine(bed=(200, 100), centred=True), ((-100, -50, 0), (100, 50, 9)), Needs(), []),
+        (BOX, None, Needs(0.6, 251, 81), ["nozzle to 251", "bed to 81", "0.6 mm nozzle"]),
+        (Machine(), ((-1e6, 0, 0), (1e6, 0, 1e6)), Needs(9, 900, 900), []),
+    ],
+)
+def test_what_fits(machine: Machine, corners, needs: Needs, words: list[str]) -> None:
+    least, greatest = corners or (None, None)
+    wrong = misfit(machine, least, greatest, needs)
+    assert bool(wrong) is bool(words)
+    assert all(word in wrong for word in words)
+
+
+def test_park_places() -> None:
+    assert PortSettings().park_place() is None
+    assert PortSettings(park_at="0,200").park_place() == (0, 200)
+    for wrong in ("corner", "1", "1,nan", "1,2,3"):
+        with pytest.raises(Exception, match="--park-at"):
+            PortSettings(park_at=wrong).park_place()
+    assert PortSettings().cancel_lines() == ["M104 S0", "M140 S0", "M107", "M84"]
+
+
+def test_a_world_of_its_own() -> None:
+    """A simulated printer that nobody talks to does nothing."""
+    assert World(Firmware()).firmware.next_event() is None
