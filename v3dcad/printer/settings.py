@@ -25,7 +25,7 @@ class PortSettings(Checked):
         "Baud rate of the port; auto tries the usual ones.",
         least=300,
         most=4_000_000,
-        word="auto",
+        words=("auto",),
     )
     reset: bool = setting(True, "Reset the board when the port is opened, if its wiring allows it.")
     park_at: str = setting(
