@@ -62,7 +62,7 @@ def test_cells_behind_a_contour_are_not_counted(seed, rise):
         state, area = layer.state, oracle.area_of(layer.section)
         np.testing.assert_array_equal(state.sites[:, :2], sites)
         parts = shapely.area(oracle.cells(state.sites, state.weights, layer.section))
-        filled = np.nonzero(parts > 1e-9)[0]
+        filled = np.nonzero(parts > 1e-11)[0]
         np.testing.assert_array_equal(layer.diagram.sites(), filled)
         assert layer.area_per_cell == pytest.approx(area.area / len(filled))
         assert oracle.layer(state.sites, state.weights, layer.section)[3] == len(filled)
