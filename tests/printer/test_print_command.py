@@ -17,6 +17,8 @@ from printer.firmware import NAMES, Firmware
 from printer.pty_printer import PtyPrinter
 from printer.world import of_the_file
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 WITHIN = 60.0
 

@@ -29,6 +29,8 @@ from v3dcad.printer.http_link import Address, carry
 from v3dcad.printer.sending import Sending
 from v3dcad.printer.settings import HostSettings
 
+pytestmark = pytest.mark.slow
+
 GCODE = "G28\nM83\nG1 Z0.2 F600\nG1 X10 Y10 E1 F1200\nG1 X20 Y10 E1\n"
 
 

@@ -19,6 +19,8 @@ from v3dcad.cli import main
 from v3dcad.commands.controls import Wish, wish_of
 from v3dcad.printer import serial_link
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 WITHIN = 60.0
 

@@ -15,6 +15,8 @@ from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer
 from v3dcad.structure.overhang import SLACK, overhang
 
+pytestmark = pytest.mark.slow
+
 SQUARE = np.array([[-20.0, -20], [20, -20], [20, 20], [-20, 20]])
 HOLE = np.array([[-6.0, -5], [-5, 7], [6, 5], [5, -6]])
 

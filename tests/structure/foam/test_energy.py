@@ -10,6 +10,8 @@ from v3dcad.structure.foam.darts import poisson_disk
 from v3dcad.structure.foam.energy import ACTIVE, DISTANCE, PUSH, WEIGHT, add_gradients
 from v3dcad.structure.foam.relaxing import check_all, foam_of
 
+pytestmark = pytest.mark.slow
+
 BOX = np.array([6.0, 5.5, 6.5])
 LEAN = 0.6
 
