@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import lzma
 import sys
+import tempfile
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -28,7 +29,6 @@ from recipes import Recipe, cubes, prism_of_300, published, pyramid_of_50  # noq
 from benchmarks.sampling import distances_below  # noqa: E402
 from v3dcad import FillSettings, Structure, build  # noqa: E402
 from v3dcad.formats.mesh.stl import ascii_stl  # noqa: E402
-from v3dcad.formats.ont.document import ont_text  # noqa: E402
 from v3dcad.model import Layer, Mesh  # noqa: E402
 from v3dcad.parts import part_from  # noqa: E402
 from v3dcad.structure.thesis.loop import ThesisLayer  # noqa: E402
@@ -89,7 +89,10 @@ def table_41(cases: Sequence[Recipe]) -> None:
     rows = []
     for case in cases:
         structure = case.build()
-        ont = ont_text(structure.recipe()).encode()
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "part.ont"
+            structure.write_ont(file)
+            ont = file.read_bytes()
         plain, packed = len(ont) / 1000, len(lzma.compress(ont, preset=9)) / 1000
         text, binary = (size / 1000 for size in wall_bytes(structure))
         theirs = TABLE_41[case.name]
