@@ -174,38 +174,11 @@ def exponents(quick: bool) -> None:
         times.append(seconds(lambda filling=filling: [x.index for x in filling.layers]))
         print(f"{cells:9} {times[-1] * 1e3:10.2f} ms")
     print(f"exponent in the number of cells: {_exponent(sizes, times):.2f}")
-    if not quick:
-        plot(sizes, times)
     counts, times = [250, 500, 1000, 2000], []
     for layers in counts:
         filling = filled("square", 300, layers)
         times.append(seconds(lambda filling=filling: [x.index for x in filling.layers]))
     print(f"exponent in the number of layers: {_exponent(counts, times):.2f}")
-
-
-def plot(sizes: list[int], times: list[float]) -> None:
-    """Draw the times (s) over the numbers of sites, beside what the thesis's exponent would make
-    of the first, as docs/engine-times.svg.
-    """
-    import matplotlib
-
-    matplotlib.use("svg")
-    matplotlib.rcParams.update({"svg.hashsalt": "v3dcad", "svg.fonttype": "none", "font.size": 9})
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(figsize=(5, 3.2), layout="constrained")
-    n, exponent = np.array(sizes), _exponent(sizes, times)
-    scale = np.exp(np.mean(np.log(times) - exponent * np.log(n)))
-    axes.loglog(n, times, "o", color="black", markersize=4, label="20 layers, measured")
-    axes.loglog(n, scale * n**exponent, color="black", label=f"exponent {exponent:.2f}, fitted")
-    axes.loglog(n, times[0] * (n / n[0]) ** 2, ":", color="gray", label="exponent 2 (thesis)")
-    axes.set(xlabel="cells", ylabel="execution time, s")
-    axes.set_xticks([500, 1000, 2000, 3500, 7000], ["500", "1000", "2000", "3500", "7000"])
-    axes.minorticks_off()
-    axes.legend(frameon=False)
-    file = Path(__file__).parents[1] / "docs" / "engine-times.svg"
-    figure.savefig(file, metadata={"Date": None})
-    print(f"plotted: {file}")
 
 
 def start() -> None:
