@@ -11,15 +11,16 @@ from __future__ import annotations
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows
-from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
+from v3dcad.geometry.compiled.options import ENTRY, INLINED, INTERNAL, compiled
 from v3dcad.geometry.voronoi.bins import (
     CROWDED,
     ROOM,
     Bins,
     bin_at,
+    bin_of,
     bins_of,
     gather,
-    homes_of,
+    layer_of,
     too_uneven,
 )
 from v3dcad.geometry.voronoi.neighbours import spacing_around
@@ -111,12 +112,12 @@ def bound_distances(
 
 
 @compiled(ENTRY)
-def spread_bounds(bins: Bins, bounds: FloatArray, reaches: FloatArray) -> None:
-    """For each bin, how far at most the cells of its sites reach: the greatest bound of the bins
-    that are so near that their bound lets them hold points of those cells.
+def spread_bounds(bins: Bins, bounds: FloatArray, farthest: FloatArray) -> None:
+    """For each bin the greatest bound of the bins that are so near that their bound lets them hold
+    points of its sites' cells.
     """
-    shape, sides, periodic = bins.shape, bins.sides, bins.periods[0] > 0
-    reaches[:] = 0.0
+    shape, sides = bins.shape, bins.sides
+    farthest[:] = 0.0
     box = -1
     for i in range(shape[0]):
         for j in range(shape[1]):
@@ -128,44 +129,62 @@ def spread_bounds(bins: Bins, bounds: FloatArray, reaches: FloatArray) -> None:
                 out_i = np.int64(bound / sides[0]) + 1
                 out_j = np.int64(bound / sides[1]) + 1
                 out_k = np.int64(bound / sides[2]) + 1
-                for a in range(i - out_i, i + out_i + 1):
-                    for b in range(j - out_j, j + out_j + 1):
-                        for c in range(k - out_k, k + out_k + 1):
-                            if not periodic and not (
-                                0 <= a < shape[0] and 0 <= b < shape[1] and 0 <= c < shape[2]
-                            ):
-                                continue
+                for a in range(max(i - out_i, 0), min(i + out_i + 1, shape[0])):
+                    for b in range(max(j - out_j, 0), min(j + out_j + 1, shape[1])):
+                        for c in range(max(k - out_k, 0), min(k + out_k + 1, shape[2])):
                             other = bin_at(bins, a, b, c)
-                            reaches[other] = max(reaches[other], bound)
+                            farthest[other] = max(farthest[other], bound)
 
 
-def cell_reaches(bins: Bins, places: Floats, low: Floats, high: Floats) -> Floats:
-    """For each bin, how far the cells of sites in it reach at most from them, within a box.
+@compiled(INTERNAL)
+def gap(bins: Bins, axis: int, layer: int, place: float) -> float:
+    """How far a place is from a layer of bins along an axis."""
+    start = bins.low[axis] + layer * bins.sides[axis]
+    return max(start - place, place - start - bins.sides[axis], 0.0)
 
-    `places` (n, 3) are the sites', low and high (3,) the corners of a box within the bins. Two
-    sites i, j share a wall in the box only if they are at most twice the smaller reach apart; 0
-    where no cell is in it.
-    `GeometryError` for sites so uneven that some bin has over `ROOM` sites around.
+
+@compiled(ENTRY)
+def reach_of_sites(
+    bins: Bins, bounds: FloatArray, farthest: FloatArray, places: FloatRows, reaches: FloatArray
+) -> None:
+    """For each site the greatest bound of the bins that are no farther from it than their bound.
+
+    `farthest` is what `spread_bounds` wrote; where sizes differ, it alone would be much too far.
     """
-    bounds, reaches = np.empty(len(bins.heads)), np.empty(len(bins.heads))
+    shape, first, last = bins.shape, np.empty(3, np.int64), np.empty(3, np.int64)
+    for site in range(len(places)):
+        x, y, z = places[site, 0], places[site, 1], places[site, 2]
+        reaches[site] = 0.0
+        radius = farthest[bin_of(bins, x, y, z)]
+        for axis in range(3):
+            first[axis] = layer_of(bins, axis, places[site, axis] - radius)
+            last[axis] = layer_of(bins, axis, places[site, axis] + radius)
+        for i in range(first[0], last[0] + 1):
+            square_i = gap(bins, 0, i, x) ** 2
+            for j in range(first[1], last[1] + 1):
+                square_j = square_i + gap(bins, 1, j, y) ** 2
+                for k in range(first[2], last[2] + 1):
+                    bound = bounds[(i * shape[1] + j) * shape[2] + k]
+                    if bound <= reaches[site]:
+                        continue
+                    if square_j + gap(bins, 2, k, z) ** 2 <= bound * bound:
+                        reaches[site] = bound
+
+
+def cell_reaches(places: Floats, low: Floats, high: Floats) -> tuple[Bins, Floats]:
+    """How far the cell of each site (n, 3) reaches at most from it in the box low … high (3,).
+
+    Two sites share a wall in the box only if they are at most twice the smaller reach apart; 0
+    where a cell is not in it. Also returns bins of the sites. `GeometryError` for sites so uneven
+    that some bin has over `ROOM` sites around.
+    """
+    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
+    bins = bins_of(places, start, end, periodic=False)
+    bounds, farthest = np.empty(len(bins.heads)), np.empty(len(bins.heads))
     crowded = bound_distances(bins, places, low, high, bounds, ROOM)
     if crowded >= 0:
         raise too_uneven(int(bins.heads[crowded]))
-    spread_bounds(bins, bounds, reaches)
-    return reaches
-
-
-def binned_reaches(places: Floats, low: Floats, high: Floats) -> tuple[Bins, Floats]:
-    """Bins around sites (n, 3) and the box low … high (3,), and for each its `cell_reaches`."""
-    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
-    bins = bins_of(places, start, end, periodic=False)
-    return bins, cell_reaches(bins, places, low, high)
-
-
-def site_reaches(places: Floats, low: Floats, high: Floats) -> Floats:
-    """How far the cell of each site (n, 3) reaches at most from it in the box low … high (3,).
-
-    0 where the cell is not in the box. Raises `GeometryError` as `cell_reaches`.
-    """
-    bins, reaches = binned_reaches(places, low, high)
-    return reaches[homes_of(bins, places)]
+    spread_bounds(bins, bounds, farthest)
+    reaches = np.empty(len(places))
+    reach_of_sites(bins, bounds, farthest, places, reaches)
+    return bins, reaches
