@@ -8,6 +8,8 @@ farther from its nearest site than the middle is, plus half the cube's diagonal.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows
@@ -47,6 +49,74 @@ def square_between(offsets: FloatRows, site: int, x: float, y: float, z: float) 
     return dx * dx + dy * dy + dz * dz
 
 
+class Bin(NamedTuple):
+    """One bin in which distances are bounded, and the sites near it."""
+
+    sides: FloatArray
+    """(3,)"""
+    half: float
+    """half its diagonal"""
+    offsets: FloatRows
+    """(m, 3) the sites around, from the bin's middle"""
+    count: int
+    """how many these are"""
+    enough: float
+    """a bound that need not be bettered"""
+    low: FloatArray
+    high: FloatArray
+    """(3,) the box that points count in, from the bin's middle"""
+
+
+@compiled(INLINED)
+def is_outside(middle: float, half: float, low: float, high: float) -> bool:
+    """Whether an interval around its middle has no point from low to high."""
+    return middle + half < low or middle - half > high
+
+
+@compiled(INTERNAL)
+def bound_in(around: Bin, cubes: FloatRows) -> float:
+    """A bound on how far a bin's points in the box are from the nearest of the sites around it.
+
+    `cubes` is room to work in.
+    """
+    offsets, sides, enough = around.offsets, around.sides, around.enough
+    low, high = around.low, around.high
+    bound, met, best, open_cubes = 0.0, 0.0, 0, 1
+    cubes[0, 0], cubes[0, 1], cubes[0, 2], cubes[0, 3] = 0.0, 0.0, 0.0, 1.0
+    while open_cubes > 0:
+        open_cubes -= 1
+        x, y, z, share = cubes[open_cubes]
+        if (
+            is_outside(x, sides[0] * share / 2, low[0], high[0])
+            or is_outside(y, sides[1] * share / 2, low[1], high[1])
+            or is_outside(z, sides[2] * share / 2, low[2], high[2])
+        ):
+            continue
+        half = around.half * share
+        passes = max(enough - half, 0.0) ** 2
+        # What is nearest to one cube is mostly near enough to the next one.
+        nearest = square_between(offsets, best, x, y, z)
+        site = 0
+        while nearest > passes and site < around.count:
+            square = square_between(offsets, site, x, y, z)
+            if square < nearest:
+                best, nearest = site, square
+            site += 1
+        nearest = np.sqrt(nearest)
+        if half + nearest > enough:
+            met = max(met, nearest)
+        if nearest + half <= max(enough, TIGHTNESS * met) or share < 2.0**-DEEPEST:
+            bound = max(bound, (nearest + half) * SAFETY)
+            continue
+        for corner in range(8):
+            cubes[open_cubes, 0] = x + sides[0] * share * (0.25 if corner & 1 else -0.25)
+            cubes[open_cubes, 1] = y + sides[1] * share * (0.25 if corner & 2 else -0.25)
+            cubes[open_cubes, 2] = z + sides[2] * share * (0.25 if corner & 4 else -0.25)
+            cubes[open_cubes, 3] = share / 2
+            open_cubes += 1
+    return bound
+
+
 @compiled(ENTRY)
 def bound_distances(
     bins: Bins, places: FloatRows, low: FloatArray, high: FloatArray, bounds: FloatArray, room: int
@@ -58,7 +128,8 @@ def bound_distances(
     """
     names, offsets, squares = np.empty(room, np.int64), np.empty((room, 3)), np.empty(room)
     cubes, middle, sides = np.empty((8 * DEEPEST + 8, 4)), np.empty(3), bins.sides
-    half_bin = np.sqrt(sides[0] ** 2 + sides[1] ** 2 + sides[2] ** 2) / 2
+    half = np.sqrt(sides[0] ** 2 + sides[1] ** 2 + sides[2] ** 2) / 2
+    box_low, box_high = np.empty(3), np.empty(3)
     for box in range(len(bounds)):
         bounds[box] = 0.0
         i, rest = divmod(box, bins.shape[1] * bins.shape[2])
@@ -68,46 +139,29 @@ def bound_distances(
         middle[2] = bins.low[2] + (k + 0.5) * sides[2]
         outside = False
         for axis in range(3):
-            outside |= middle[axis] + sides[axis] / 2 < low[axis]
-            outside |= middle[axis] - sides[axis] / 2 > high[axis]
+            box_low[axis], box_high[axis] = low[axis] - middle[axis], high[axis] - middle[axis]
+            outside |= is_outside(0.0, sides[axis] / 2, box_low[axis], box_high[axis])
         if outside:
             continue
-        # Any sites give a bound, and the nearest ones the best.
+        # Any sites give a bound, and the nearest ones the best: those no farther from the middle
+        # than the bound and half the bin.
         enough = ENOUGH * spacing_around(bins, i, j, k)
-        radius = enough + half_bin
-        count = gather(bins, places, middle, radius, names, offsets, squares)
-        while count == 0:
-            radius *= 2
+        radius = enough + half
+        if enough > half:  # so few sites around say little of their spacing
+            enough = 0.0
+        bound = np.inf
+        while bound + half > radius:
+            if bound < np.inf:
+                radius = (bound + half) * SAFETY
             count = gather(bins, places, middle, radius, names, offsets, squares)
-        if count == CROWDED:
-            return box
-        met, best, open_cubes = 0.0, 0, 1
-        cubes[0, 0], cubes[0, 1], cubes[0, 2], cubes[0, 3] = 0.0, 0.0, 0.0, 1.0
-        while open_cubes > 0:
-            open_cubes -= 1
-            x, y, z, share = cubes[open_cubes]
-            half = half_bin * share
-            passes = max(enough - half, 0.0) ** 2
-            # What is nearest to one cube is mostly near enough to the next one.
-            nearest = square_between(offsets, best, x, y, z)
-            site = 0
-            while nearest > passes and site < count:
-                square = square_between(offsets, site, x, y, z)
-                if square < nearest:
-                    best, nearest = site, square
-                site += 1
-            nearest = np.sqrt(nearest)
-            if half + nearest > enough:
-                met = max(met, nearest)
-            if nearest + half <= max(enough, TIGHTNESS * met) or share < 2.0**-DEEPEST:
-                bounds[box] = max(bounds[box], (nearest + half) * SAFETY)
-                continue
-            for corner in range(8):
-                cubes[open_cubes, 0] = x + sides[0] * share * (0.25 if corner & 1 else -0.25)
-                cubes[open_cubes, 1] = y + sides[1] * share * (0.25 if corner & 2 else -0.25)
-                cubes[open_cubes, 2] = z + sides[2] * share * (0.25 if corner & 4 else -0.25)
-                cubes[open_cubes, 3] = share / 2
-                open_cubes += 1
+            while count == 0:
+                radius *= 2
+                count = gather(bins, places, middle, radius, names, offsets, squares)
+            if count == CROWDED:
+                return box
+            around = Bin(sides, half, offsets, count, enough, box_low, box_high)
+            bound = min(bound, bound_in(around, cubes))
+        bounds[box] = bound
     return -1
 
 

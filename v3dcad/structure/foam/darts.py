@@ -9,7 +9,7 @@ from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
 from v3dcad.geometry.voronoi.bins import Bins, bin_of, empty_bins, gather, insert
 from v3dcad.model import Floats
 from v3dcad.structure.foam.random import random_share
-from v3dcad.structure.foam.size_grid import SizeGrid, size_at
+from v3dcad.structure.foam.size_grid import SLOPE, SizeGrid, size_at
 
 MISSES = 30_000
 """So many darts in a row that find no room end the throwing."""
@@ -107,7 +107,7 @@ def throw_graded(
     hit.
 
     Writes places (n, 3) and radii (n,). A dart misses where an earlier one is nearer than the
-    smaller of the two radii, and where it is more than `pad` radii outside the box `inside` (2, 3).
+    mean of the two radii, and where it is more than `pad` radii outside the box `inside` (2, 3).
     """
     names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
     at, count = np.empty(3), 0
@@ -131,8 +131,9 @@ def throw_graded(
         if far or count == len(places):
             continue
         free = True
-        for row in range(gather(bins, places, at, radius, names, offsets, squares)):
-            free &= squares[row] >= min(radius, radii[names[row]]) ** 2
+        reach = radius / (1 - SLOPE / 2)  # no farther site's radius is large enough
+        for row in range(gather(bins, places, at, reach, names, offsets, squares)):
+            free &= squares[row] >= ((radius + radii[names[row]]) / 2) ** 2
         if free:
             places[count], radii[count] = at, radius
             insert(bins, count, bin_of(bins, at[0], at[1], at[2]))
@@ -145,7 +146,7 @@ def graded_disk(
 ) -> tuple[Floats, Floats]:
     """Random sites (n, 3) in and around a box (2, 3) and their radii (n,), as a grid has them.
 
-    None is nearer to another than the smaller of their radii, none more than `pad` of its radii
+    None is nearer to another than the mean of their radii, none more than `pad` of its radii
     outside the box. As many darts are thrown as `DARTS` says, at random with the density of sites.
     """
     low = grid.corner

@@ -19,7 +19,7 @@ from v3dcad.model import Floats, Ints
 from v3dcad.structure.foam.cluster import check_all, solve_cluster
 from v3dcad.structure.foam.energy import Foam
 
-NEIGHBOURS, GRADED_NEIGHBOURS = 56, 120
+NEIGHBOURS, GRADED_NEIGHBOURS = 56, 80
 """How many of the nearest sites are looked at: all within 2.6 radii; where sizes differ, as far on
 the coarse side."""
 
