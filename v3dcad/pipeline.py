@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +15,18 @@ import numpy as np
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
-from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe
+from v3dcad.model import (
+    Checksum,
+    Diagram,
+    Floats,
+    Ints,
+    Layer,
+    Part,
+    Placement,
+    Progress,
+    Recipe,
+    unheard,
+)
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -29,8 +40,8 @@ from v3dcad.recipes import (
     read_ont,
     sites_of,
 )
-from v3dcad.report import Print, report
-from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.report import Print, graded_report, report
+from v3dcad.settings import Field, FillSettings, PrintSettings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -43,6 +54,7 @@ from v3dcad.version import VERSION
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
+    from v3dcad.structure.foam.graded import Graded
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,7 +71,10 @@ class Structure(Forms):
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
     given: Floats | None
-    """(n, 3) or (n, 2) mm: the sites that a user gave, to the last bit"""
+    """(n, 3) or (n, 2) mm: the sites that a user gave, or that a cell size which differs from place
+    to place made; to the last bit"""
+    graded: Graded | None = None
+    """how such cells differ from what was asked"""
 
     @property
     def settings(self) -> FillSettings:
@@ -201,7 +216,10 @@ class Structure(Forms):
         `printed` is what `write_gcode` told, for the same print settings.
         """
         width = (printing or PrintSettings()).bead_width
-        return report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
+        told = report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
+        if self.graded is not None:
+            told["graded"] = graded_report(self.graded)
+        return told
 
     def write_report(
         self,
@@ -221,11 +239,14 @@ def build(
     settings: FillSettings,
     sites: Floats | None = None,
     executor: Executor | None = None,
+    progress: Progress = unheard,
 ) -> Structure:
-    """Part → sections → structure; opens no file, port or window.
+    """Part → sections → structure; opens no port or window, and files only as a cell size names
+    them.
 
     `sites` (n, 3), mm, bed coordinates, or (n, 2) for columns, take the place of those that the
-    settings say. An executor computes several sections at a time. Raises `SettingError` where
+    settings say. An executor computes several sections at a time; `progress` hears of the steps
+    in which the sites of cells of many sizes are made. Raises `SettingError` where
     settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
     if sites is not None:
@@ -240,6 +261,14 @@ def build(
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
+    graded: Graded | None = None
+    if not isinstance(settings.cell_size, float | int) and settings.cell_size != "auto":
+        from v3dcad.structure.foam.graded import graded_sites
+
+        low, high = part.bounds
+        field = _size_field(settings.cell_size, part)
+        graded = graded_sites(field, low, high, settings, progress)
+        sites, settings = graded.sites, replace(settings, cell_size="auto", stretch=graded.stretch)
     heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
     lofts = settings.method == "thesis" and settings.interpolate
     planes = np.unique(heights[[0, -1]]) if lofts else heights
@@ -248,7 +277,18 @@ def build(
     if lofts:
         assert isinstance(filling, ThesisFilling)
         return Structure(part, placement, filling, lofted(filling, heights), sites)
-    return Structure(part, placement, filling, filling.layers, sites)
+    return Structure(part, placement, filling, filling.layers, sites, graded)
+
+
+def _size_field(cell_size: str | Field, part: Part) -> Callable[[Floats], Floats]:
+    """A cell size in the source's coordinates as a field of places (n, 3), bed coordinates."""
+    from v3dcad.fields.sources import in_range, part_field
+
+    back = part.placement.inverse()
+    if isinstance(cell_size, str):
+        cell_size = part_field(cell_size, part.placed(back))
+    field = in_range(cell_size)
+    return lambda places: field(*np.ascontiguousarray(part.placement.to_source(places).T))
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:
@@ -262,6 +302,7 @@ def fill(
     sites: int | Sequence[Sequence[float]] | Floats | None = None,
     verify: bool = True,
     executor: Executor | None = None,
+    progress: Progress = unheard,
     **settings: Any,
 ) -> Structure:
     """Fill a part with a foam, or with the thesis's structure.
@@ -271,7 +312,9 @@ def fill(
     are places in mm, bed coordinates, that take the place of those that the settings say: (n, 3)
     with a `stretch` that is a number, or (n, 2) for columns and the thesis's method; for the latter
     also how many to scatter. An executor (of threads, of processes, a cluster's) computes several
-    sections at a time. Further settings are the fields of `FillSettings`. What a recipe says is
+    sections at a time. With a `cell_size` that is an expression or a function of x, y, z (n,), mm,
+    where the source lies, cells are as large as it says; `progress` hears of the steps in which
+    they are made. Further settings are the fields of `FillSettings`. What a recipe says is
     taken from it, unless given here; where nothing is, the structure must have the recipe's check
     sum (`verify=False`: need not). Raises `V3dcadError`s that say what to do.
     """
@@ -280,26 +323,29 @@ def fill(
     if isinstance(source, Recipe):
         if sites is not None or settings:
             source = changed(source, sites, settings)
-        return build_recipe(source, verify=verify, executor=executor)
+        return build_recipe(source, verify=verify, executor=executor, progress=progress)
     if sites is None or isinstance(sites, int):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
-        return build(part_from(source), chosen, None, executor)
+        return build(part_from(source), chosen, None, executor, progress)
     explicit = given_sites(sites)
     if settings.get("method") == "thesis":
         settings = {**settings, "sites": len(explicit)}
-    return build(part_from(source), known_settings(settings), explicit, executor)
+    return build(part_from(source), known_settings(settings), explicit, executor, progress)
 
 
 def build_recipe(
-    recipe: Recipe, *, verify: bool = True, executor: Executor | None = None
+    recipe: Recipe,
+    *,
+    verify: bool = True,
+    executor: Executor | None = None,
+    progress: Progress = unheard,
 ) -> Structure:
     """The structure of a recipe; where a source was moved to the bed, it lies where that lay.
 
     Raises `FormatError` where the structure is not the one whose check sum the recipe has,
     unless `verify` is off; otherwise as `build`.
     """
-    structure = build(part_of(recipe), recipe.settings, sites_of(recipe), executor)
-    structure = replace(structure, placement=recipe.placement.then(structure.placement))
+    structure = build(part_of(recipe), recipe.settings, sites_of(recipe), executor, progress)
     if verify and recipe.checksum is not None:
         differences = structure.checksum().differences(recipe.checksum)
         if differences:

@@ -58,7 +58,7 @@ class Bin(NamedTuple):
     """half its diagonal"""
     offsets: FloatRows
     """(m, 3) the sites around, from the bin's middle"""
-    count: int
+    near: int
     """how many these are"""
     enough: float
     """a bound that need not be bettered"""
@@ -97,7 +97,7 @@ def bound_in(around: Bin, cubes: FloatRows) -> float:
         # What is nearest to one cube is mostly near enough to the next one.
         nearest = square_between(offsets, best, x, y, z)
         site = 0
-        while nearest > passes and site < around.count:
+        while nearest > passes and site < around.near:
             square = square_between(offsets, site, x, y, z)
             if square < nearest:
                 best, nearest = site, square
@@ -180,9 +180,9 @@ def spread_bounds(bins: Bins, bounds: FloatArray, farthest: FloatArray) -> None:
                 bound = bounds[box]
                 if bound == 0:
                     continue
-                out_i = np.int64(bound / sides[0]) + 1
-                out_j = np.int64(bound / sides[1]) + 1
-                out_k = np.int64(bound / sides[2]) + 1
+                out_i = int(bound / sides[0]) + 1
+                out_j = int(bound / sides[1]) + 1
+                out_k = int(bound / sides[2]) + 1
                 for a in range(max(i - out_i, 0), min(i + out_i + 1, shape[0])):
                     for b in range(max(j - out_j, 0), min(j + out_j + 1, shape[1])):
                         for c in range(max(k - out_k, 0), min(k + out_k + 1, shape[2])):

@@ -9,6 +9,7 @@ method (Zhao, Mathematics of Computation 2005).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -21,10 +22,19 @@ SLOPE = 0.3
 """The steepest gradient of a size in the stretched space."""
 
 NODES = 400_000
-"""About how many nodes a grid has."""
+"""About how many nodes a grid has at most."""
+
+FEW = 4_000
+"""With so many it is found out how small and large sizes are."""
+
+FINE = 0.3
+"""In the smallest sizes: no side of a cube need be shorter."""
 
 STILL = 1e-6
 """Sweeps end when no size changes by more than this share."""
+
+Field = Callable[[Floats], Floats]
+"""Sizes (n,) at places (n, 3)."""
 
 
 class SizeGrid(NamedTuple):
@@ -38,20 +48,50 @@ class SizeGrid(NamedTuple):
     """(a, b, c), each at least 2"""
 
 
-def empty_grid(low: Floats, high: Floats) -> SizeGrid:
-    """A grid over the box low … high (3,), without sizes."""
+class Sampled(NamedTuple):
+    """A field on a grid, and what had to be changed in it."""
+
+    grid: SizeGrid
+    asked: Floats
+    """(m,) the sizes that were asked for at the nodes in the box"""
+    made: Floats
+    """(m,) those that are made there: nowhere larger"""
+
+
+def sampled(field: Field, low: Floats, high: Floats, pad: float) -> Sampled:
+    """A field over the box low … high (3,) and `pad` of its sizes around it, no steeper than
+    `SLOPE`.
+
+    Outside the box a size is that of the nearest place in it, where the field is not asked.
+    """
     size = high - low
-    side = float(max(np.cbrt(size.prod() / NODES), size.max() / NODES))
-    shape = np.ceil(size / side).astype(np.int64) + 1
-    return SizeGrid(np.asarray(low, np.float64), side, np.empty(np.maximum(shape, 2).tolist()))
+    some = field(_lattice(_axes(low, high, _side(size, FEW))))
+    around = pad * float(some.max())
+    side = max(_side(size + 2 * around, NODES), FINE * float(some.min()))
+    axes = _axes(low, high, side)
+    asked = field(_lattice(axes)).reshape([len(axis) for axis in axes])
+    beyond = int(np.ceil(around / side))
+    grid = SizeGrid(low - beyond * side, side, np.pad(asked, beyond, mode="edge"))
+    limit_slope(grid, SLOPE)
+    within = slice(beyond, -beyond)
+    return Sampled(grid, asked.ravel(), grid.sizes[within, within, within].ravel())
 
 
-def nodes_of(grid: SizeGrid) -> Floats:
-    """The places (n, 3) of all nodes, in the order of `sizes`."""
-    axes = [
-        corner + grid.side * np.arange(count)
-        for corner, count in zip(grid.corner.tolist(), grid.sizes.shape, strict=True)
+def _side(size: Floats, nodes: int) -> float:
+    """The side of cubes of which about so many fill a box."""
+    return float(max(np.cbrt(size.prod() / nodes), size.max() / nodes))
+
+
+def _axes(low: Floats, high: Floats, side: float) -> list[Floats]:
+    """The coordinates of a grid's nodes over a box along each axis, none beyond it."""
+    return [
+        np.minimum(start + side * np.arange(max(2, int(np.ceil((end - start) / side)) + 1)), end)
+        for start, end in zip(low.tolist(), high.tolist(), strict=True)
     ]
+
+
+def _lattice(axes: list[Floats]) -> Floats:
+    """All nodes (n, 3), the last axis running fastest."""
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
