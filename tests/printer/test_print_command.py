@@ -49,8 +49,8 @@ class Printing:
 
     def __init__(self, home: Path, *words: object, as_json: bool = True) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-c", "from v3dcad.cli import main; main()", "print",
-             *map(str, words), *(["--json"] if as_json else [])],
+            [sys.executable, "-m", "v3dcad", "print", *map(str, words),
+             *(["--json"] if as_json else [])],
             stdin=subprocess.PIPE if as_json else subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "PYTHONPATH": str(ROOT), "XDG_STATE_HOME": str(home)},
@@ -167,6 +167,55 @@ def test_a_print_outlives_the_program_that_started_it(
         stream.close()
     assert printing.process.wait(WITHIN) == 0
     assert of_the_file(slow.firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+@pytest.mark.parametrize("as_json", [True, False])
+def test_a_print_does_not_wait_to_be_read(file: Path, tmp_path: Path, as_json: bool) -> None:
+    """The window computes, or a pager waits: more is told than the pipe holds, and nobody reads."""
+    firmware = Firmware()
+    firmware.faults.to_host = lambda line, count: b"echo:" + b"x" * 1000 + b"\n" + line
+    with PtyPrinter(firmware) as printer:
+        printing = Printing(tmp_path, file, "--port", printer.port, as_json=as_json)
+        code = printing.process.wait(WITHIN)
+        assert (code, printing.done()[2]) == (0, "")
+    assert of_the_file(firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+def test_a_print_in_a_pipe_outlives_its_reader(
+    slow: PtyPrinter, file: Path, tmp_path: Path
+) -> None:
+    """As in `v3dcad print … | head`."""
+    printing = Printing(tmp_path, file, "--port", slow.port, as_json=False)
+    assert printing.process.stdout is not None
+    printing.process.stdout.close()
+    assert printing.process.wait(WITHIN) == 0
+    assert printing.process.stderr is not None
+    with printing.process.stderr as errors:
+        assert errors.read() == ""
+    assert of_the_file(slow.firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+def test_a_name_that_is_no_text(tmp_path: Path) -> None:
+    file = tmp_path / os.fsdecode(b"part\xff.gcode")
+    file.write_text(gcode())
+    with PtyPrinter(Firmware()) as printer:
+        printing = Printing(tmp_path, file, "--port", printer.port, as_json=False)
+        out, _ = printing.process.communicate(timeout=WITHIN)
+    assert out.splitlines()[-1].split() == ["end", "finished"]
+
+
+def test_wishes_that_are_no_text_do_not_deafen(
+    slow: PtyPrinter, file: Path, tmp_path: Path
+) -> None:
+    printing = Printing(tmp_path, file, "--port", slow.port)
+    until(lambda: "G1 X20 Y11 E0.1 F1200" in slow.firmware.obeyed)
+    assert printing.process.stdin is not None
+    for nonsense in (b"\xff\n", b"[" * 4000 + b"\n", b"x" * 10_000 + b"\n"):
+        printing.process.stdin.buffer.write(nonsense)
+    printing.tell(do="cancel")
+    code, events, _ = printing.done()
+    assert code == 130
+    assert sum(event["event"] == "mistake" for event in events) == 5
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

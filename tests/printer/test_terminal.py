@@ -85,6 +85,22 @@ def test_keys_and_live_view(tmp_path: Path) -> None:
     assert {"M220 S110", "M221 S101", "G1 E-2 F1800"} <= set(firmware.obeyed)
 
 
+def test_keys_that_are_not_for_us_do_nothing(tmp_path: Path) -> None:
+    """Shift and an arrow in some terminals ends with c; a key may be no text; Ctrl-Z stops."""
+    file = tmp_path / "part.gcode"
+    file.write_text("G28\nM83\nG1 X1 Y1 Z0.2 F600\n" + "G1 X2 E1\nG1 X1 E1\n" * 100)
+    with PtyPrinter(Firmware(seconds=lambda command: 0.02)) as printer:
+        terminal = Terminal(tmp_path, "print", file, "--port", printer.port)
+        terminal.sees("EMERGENCY STOP")
+        for keys in (b"\x1b[c", b"\x1bOs", b"\xff", b"\x1a"):
+            os.write(terminal.master, keys)
+            time.sleep(0.05)
+        terminal.press("+")
+        terminal.sees("speed 105 %")
+        assert terminal.code() == 0
+    assert not printer.firmware.halted
+
+
 @pytest.mark.parametrize(("key", "code"), [("y", 0), ("n", 1)])
 def test_resuming_asks(tmp_path: Path, key: str, code: int) -> None:
     file = tmp_path / "part.gcode"
@@ -175,6 +191,7 @@ def test_no_permission_names_the_group(tmp_path: Path) -> None:
         ("[1]", None),
         ("pause", None),
         ("{" * 5000, None),
+        ("[" * 5000, None),
     ],
 )
 def test_wishes_as_json(line: str, wish: Wish | None) -> None:

@@ -14,7 +14,16 @@ import typer
 
 from v3dcad.commands.controls import Controls, Wish, listening
 from v3dcad.commands.ports import PortName, named
-from v3dcad.commands.print_view import EVERY, Extent, JsonView, LiveView, PlainView, Sight, View
+from v3dcad.commands.print_view import (
+    EVERY,
+    Aside,
+    Extent,
+    JsonView,
+    LiveView,
+    PlainView,
+    Sight,
+    View,
+)
 from v3dcad.errors import LocalPrinterError, SettingError
 from v3dcad.options import given, with_options
 from v3dcad.printer.settings import PortSettings
@@ -250,8 +259,8 @@ def _broken_off(program: Program, port: str | None) -> _Before:
 
 def _view(as_json: bool) -> View:
     if as_json:
-        return JsonView()
-    return LiveView() if sys.stderr.isatty() and sys.stdout.isatty() else PlainView()
+        return Aside(JsonView())
+    return Aside(LiveView() if sys.stderr.isatty() and sys.stdout.isatty() else PlainView())
 
 
 @contextmanager
