@@ -209,7 +209,9 @@ class Job:
                     self._unanswered = max(0, self._unanswered - bool(heaters))
                 case Text(text) | Failure(text, about_line=False):
                     self.told.messages.append(text)
-                case Action(name):
+                case Action(name, text):
+                    if text:
+                        self.told.messages.append(text)
                     self._asked_for(name, now)
 
     def _asked_for(self, action: str, now: float) -> None:
