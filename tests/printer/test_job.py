@@ -32,6 +32,9 @@ class Diary:
     def acknowledged(self, line: int, wire: int) -> None:
         self.told.append(("acknowledged", line, wire))
 
+    def parked(self, lift: float, retraction: float) -> None:
+        self.told.append(("parked", round(lift), round(retraction)))
+
 
 @pytest.mark.parametrize("kind", sorted(NAMES))
 def test_the_journal_is_told_before_and_after(kind: str) -> None:

@@ -157,14 +157,16 @@ class _Printing:
         from v3dcad.printer.drive import run_job
         from v3dcad.printer.ends import PrintError
         from v3dcad.printer.job import Job
-        from v3dcad.printer.journal import Head, Journal, journal_of
+        from v3dcad.printer.journal import Head, Journal, Record, journal_of
 
         path = self.program.path
         head = Head(str(path.resolve()), self.program.sha256, self.link.port, baud)
-        journal = Journal(
-            journal_of(path, self.link.port), head, time.monotonic, instead_of=earlier_journal
-        )
         done_before = onward.lines_done if onward else 0
+        begun = Record(done_before, greeting.last, done_before, greeting.last)
+        journal = Journal(
+            journal_of(path, self.link.port), head, time.monotonic,
+            begun=begun, instead_of=earlier_journal,
+        )  # fmt: skip
         job = Job(
             (line for line in self.program.lines() if line.number > done_before),
             greeting,

@@ -33,7 +33,8 @@ REPORT = "M155 S2"
 """Have Marlin report temperatures every 2 s (its AUTOREPORT_TEMP)."""
 
 ALL_DONE = "M400"
-"""Wait until the last move is made: the port may reset the board when it is closed."""
+"""Wait until the last move is made: the port may reset the board when it is closed, and a nozzle is
+parked only when it is there."""
 LAST_WORD = 300.0
 """Seconds of silence, after which a printer that says no temperatures at the end is taken to be
 done. Repetier says ok to M400 when it has it; only the answer to M105 comes after the last move."""
@@ -139,8 +140,10 @@ class Job:
         if self.phase == Phase.PAUSED:
             self.phase = Phase.RESUMING
             if self._parked:
-                self._own.extend(self.state.unpark(self.settings.park_retraction))
+                self._own.extend(self.state.come_back(self.settings.park_retraction))
+                self._note_parked(0.0, 0.0)
             self._parked = False
+            self._all_done_sent, self._last_word_by = False, None
             self._go_on(now)
 
     def cancel(self, now: float) -> None:
@@ -274,6 +277,8 @@ class Job:
                 self._park = False
             case Phase.PAUSING:
                 self.phase = Phase.PAUSED
+                if self._parked:
+                    self._note_parked(self.settings.park_lift, self.settings.park_retraction)
             case Phase.RESUMING:
                 self.phase = Phase.PRINTING
             case Phase.FINISHING if not self._done(now):
@@ -311,7 +316,12 @@ class Job:
 
     def _parking(self) -> list[str]:
         settings = self.settings
-        return self.state.park(settings.park_place(), settings.park_lift, settings.park_retraction)
+        lines = self.state.park(settings.park_place(), settings.park_lift, settings.park_retraction)
+        return [*lines, ALL_DONE] if lines else []
+
+    def _note_parked(self, lift: float, retraction: float) -> None:
+        if self._recorder is not None:
+            self._recorder.parked(lift, retraction if self.state.nozzle else 0.0)
 
     def _send(self, line: int, command: str, now: float) -> None:
         """Send a command, written down before; `line` is the file's last one up to it."""

@@ -96,10 +96,13 @@ class MachineState:
             lines += [f"G1 X{place[0]:g} Y{place[1]:g} F{TRAVEL:g}"]
         return lines
 
-    def unpark(self, retraction: float) -> list[str]:
-        """Lines that undo `park`: back to the place, then modes, coordinate and feed."""
+    def come_back(self, retraction: float) -> list[str]:
+        """Lines that undo `park`: heat, back to the place, then modes, coordinate and feed.
+
+        `retraction` is how much filament is pulled back. A nozzle that is at its place stays there.
+        """
         if "Z" not in self.place:
-            return []
+            return self.heat()
         return [
             *self.heat(),
             "G21",
@@ -140,7 +143,7 @@ class MachineState:
 
     def _feed(self, length: float) -> list[str]:
         """Filament moved, unless the nozzle may be cold: Klipper takes that for an error."""
-        return ["M83", f"G1 E{length:g} F1800"] if self.nozzle else []
+        return ["M83", f"G1 E{length:g} F1800"] if self.nozzle and length else []
 
     def _go(self) -> list[str]:
         flat = [f"{axis}{self.place[axis]:.10g}" for axis in "XY" if axis in self.place]
