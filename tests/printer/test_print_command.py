@@ -130,9 +130,9 @@ def test_pause_parks_and_comes_back(slow: PtyPrinter, file: Path, tmp_path: Path
     printing.tell(do="dance")
     code, events, _ = printing.done()
     assert code == 0
-    last = obeyed[: obeyed.index("G21")][-1]
+    last = obeyed[: obeyed.index("M84 S0")][-1]
     place = last.partition(" E")[0].removeprefix("G1 ")
-    first, after = obeyed.index("G21"), obeyed.index(f"G1 {place} F3000")
+    first, after = obeyed.index("M84 S0") + 1, obeyed.index(f"G1 {place} F3000")
     assert obeyed[first : first + 6] == ["G21", "M83", "G1 E-2 F1800", "G91", "G1 Z10 F600", "G90"]
     assert [line for line in obeyed[after:] if line != "M105"][1:8] == [
         "G1 Z0.4 F600", "M83", "G1 E2 F1800", f"G92 E{obeyed[after + 4].partition('E')[2]}",

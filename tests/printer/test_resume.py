@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from printer.firmware import Firmware
-from printer.world import World, job_for, of_the_file, program
+from printer.world import World, job_for, of_the_file, program, state_after
 from simulated_printer import Printer
 
-from v3dcad.errors import FormatError, LocalPrinterError
+from v3dcad.errors import FormatError, LocalPrinterError, SettingError
 from v3dcad.printer import journal
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.fit import Machine, Needs, misfit
@@ -29,7 +29,6 @@ from v3dcad.printer.journal import (
     journal_of,
     read_journal,
 )
-from v3dcad.printer.machine_state import MachineState
 from v3dcad.printer.program import read_program
 from v3dcad.printer.progress import Phase
 from v3dcad.printer.resume import Continuation, continuation
@@ -41,13 +40,6 @@ LAYERS = [[f"G1 Z{0.2 * n:.1f} F600", *(f"G1 X{x} Y{n} E0.1 F1200" for x in rang
           for n in range(1, 6)]  # fmt: skip
 FILE = [*HEADER, *(line for layer in LAYERS for line in layer), "M104 S0", "M84"]
 ALIVE = Greeting("Marlin", {}, checks_numbers=True)
-
-
-def state_after(*commands: str) -> MachineState:
-    state = MachineState()
-    for command in commands:
-        state.follow(command)
-    return state
 
 
 MOVE = st.builds(
@@ -100,7 +92,7 @@ def test_state() -> None:
     assert (state.tool, state.fan, state.nozzle, state.bed) == ("T1", 255, 190, 70)
     assert state.kept == {"M220": "M220 S90", "SET_VELOCITY_LIMIT": "SET_VELOCITY_LIMIT ACCEL=900"}
     restored = state.after_reset(5.08)
-    assert restored[:4] == ["M140 S70", "M104 S190", "M190 S70", "M109 S190"]
+    assert restored[:4] == ["M140 S70", "M104 T1 S190", "M190 S70", "M109 T1 S190"]
     assert {"M220 S90", "T1", "M106 S255", "G28 X Y", "G20"} <= set(restored)
     assert "G28" not in restored
     state.follow("G28 X")
@@ -116,6 +108,16 @@ def test_state() -> None:
     assert "M107" in state.after_reset(0.2)
     assert state_after("M104 S0").heat() == []
     assert state_after("G1 Z1").park((0, 0), 10, 2)[-1] == "G90", "x and y are not known"
+    tools = state_after(
+        "M104 S200", "M104 T1 S150", "T1", "M104 S190", "M141 S40", "T0", "G5 X+5 Y 6"
+    )
+    assert tools.nozzle == 200
+    assert tools.heat() == ["M141 S40", "M104 T1 S190", "M104 T0 S200",
+                            "M191 S40", "M109 T1 S190", "M109 T0 S200"]  # fmt: skip
+    assert set(tools.cool()) == {"M104 T0 S0", "M104 T1 S0", "M141 S0"}
+    assert tools.place == {"X": 5, "Y": 6}
+    assert state_after("M104 S200", "T3").nozzle == 200, "tools that share a nozzle"
+    assert state_after("M109 S200", "M109", "M104 S0").cool() == []
     cold = state_after("G1 X1 Y1 Z1 F600")
     assert not [line for line in cold.park((0, 0), 10, 2) + cold.come_back(2) if "G1 E" in line]
 
@@ -416,6 +418,10 @@ def test_park_places() -> None:
         with pytest.raises(Exception, match="--park-at"):
             PortSettings(park_at=wrong).park_place()
     assert PortSettings().cancel_lines() == ["M104 S0", "M140 S0", "M107", "M84"]
+    commented = PortSettings(cancel_gcode="M104 S0 ; nozzle\r\n\n; bed\nM140 S0")
+    assert commented.cancel_lines() == ["M104 S0", "M140 S0"]
+    with pytest.raises(SettingError, match="characters a line"):
+        PortSettings(cancel_gcode="M117 " + "x" * 90).cancel_lines()
 
 
 def test_a_world_of_its_own() -> None:

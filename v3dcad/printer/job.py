@@ -35,6 +35,9 @@ REPORT = "M155 S2"
 ALL_DONE = "M400"
 """Wait until the last move is made: the port may reset the board when it is closed, and a nozzle is
 parked only when it is there."""
+MOTORS_STAY_ON = "M84 S0"
+"""Marlin and Repetier turn motors off after some minutes without a move; then a part may shift.
+Klipper takes this for an M84, and is not told."""
 LAST_WORD = 300.0
 """Seconds of silence, after which a printer that says no temperatures at the end is taken to be
 done. Repetier says ok to M400 when it has it; only the answer to M105 comes after the last move."""
@@ -147,14 +150,15 @@ class Job:
             self._go_on(now)
 
     def cancel(self, now: float) -> None:
-        """End the print: lines that the printer has are obeyed, then heaters go off.
+        """End the print: lines that the printer has are obeyed, then all heaters go off.
 
         A printer that is heating is told to wait no longer (M108), if it can hear that.
         """
         if self.phase in (Phase.CANCELLING, Phase.ENDED):
             return
         self.phase = Phase.CANCELLING
-        self._own = deque(self.settings.cancel_lines())
+        lines = [*self.settings.cancel_lines(), *self.state.cool(), *self._as_before()]
+        self._own = deque(dict.fromkeys(lines))
         if self.greeting.can("EMERGENCY_PARSER"):
             self.sender.interrupt(b"M108\n")
         self._go_on(now)
@@ -293,7 +297,7 @@ class Job:
         """Whether the last move is made; sees to it that the printer says so."""
         if not self._all_done_sent:
             self._all_done_sent = True
-            self._own.append(ALL_DONE)
+            self._own.extend([*self._as_before(), ALL_DONE])
         elif self._last_word_by is None:
             self._last_word_by = now + LAST_WORD
             self._ask(now)
@@ -317,7 +321,13 @@ class Job:
     def _parking(self) -> list[str]:
         settings = self.settings
         lines = self.state.park(settings.park_place(), settings.park_lift, settings.park_retraction)
-        return [*lines, ALL_DONE] if lines else []
+        stay = [MOTORS_STAY_ON] if self.greeting.checks_numbers else []
+        return [*stay, *lines, ALL_DONE] if lines else []
+
+    def _as_before(self) -> list[str]:
+        """Lines that take the overrides back, which would hold for the next print."""
+        lines = ["M220 S100"] if self.speed != 100 else []
+        return [*lines, "M221 S100"] if self.flow != 100 else lines
 
     def _note_parked(self, lift: float, retraction: float) -> None:
         if self._recorder is not None:
