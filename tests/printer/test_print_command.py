@@ -283,7 +283,7 @@ def test_a_file_that_is_changed_meanwhile(slow: PtyPrinter, tmp_path: Path) -> N
     code, events, err = printing.done()
     assert code == 2
     assert events[-1]["end"] == "file changed"
-    assert "was changed while it was printed" in err
+    assert "was changed after it was checked" in err
     assert "G1 X999" not in slow.firmware.obeyed
     assert slow.firmware.targets == {"T": 0.0, "B": 0.0}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -380,15 +381,47 @@ def test_a_program(tmp_path: Path) -> None:
     lines = list(found.lines())
     assert [line.command for line in lines] == ["M109 S215", "M190 R70", "G1 X1"]
     assert [line.offset for line in lines][-1] == found.size
-    size = file.stat().st_size
-    file.write_bytes(b"x" * size)
-    with pytest.raises(PrintError, match="file changed"):
-        list(found.lines())
+    file.write_bytes(b"m0104S300\nM140 S+80 R60\n")
+    assert read_program(file).needs == Needs(None, 300.0, 80.0)
+    for text, message in ((b"G1 X1\rG1 X2\r", "CR alone"), (b"G28\nm112", "line 2: m112 stops")):
+        file.write_bytes(text)
+        with pytest.raises(FormatError, match=message):
+            read_program(file)
     with pytest.raises(FormatError, match="cannot be read"):
         read_program(tmp_path)
     file.write_bytes(b"G1 X1\n" + b" " * 5000)
     with pytest.raises(FormatError, match="line 2: this is no G-code"):
         read_program(file)
+
+
+def overwritten(file: Path) -> None:
+    file.write_bytes(b"x" * file.stat().st_size)
+
+
+def exchanged(file: Path) -> None:
+    times = file.stat()
+    (file.parent / "new").write_bytes(b"x" * times.st_size)
+    os.utime(file.parent / "new", ns=(times.st_atime_ns, times.st_mtime_ns))
+    (file.parent / "new").replace(file)
+
+
+@pytest.mark.parametrize("change", [overwritten, exchanged, Path.unlink])
+@pytest.mark.parametrize("done", [0, 1, 700])
+def test_no_line_of_a_file_that_was_changed_since_it_was_checked(
+    tmp_path: Path, change: Callable[[Path], None], done: int
+) -> None:
+    """Unless it is open already, and another one took its name: then it is printed as checked."""
+    file = tmp_path / "part.gcode"
+    file.write_text("".join(f"G1 X{n}\n" for n in range(900)))
+    lines = read_program(file).lines()
+    before = [next(lines).number for _ in range(done)]
+    change(file)
+    if done and change is not overwritten:
+        assert len(list(lines)) + done == 900
+        return
+    with pytest.raises(PrintError, match="file changed"):
+        next(lines)
+    assert len(before) == done
 
 
 BOX = Machine(bed=(200, 100), height=50, nozzle=0.4, hottest_nozzle=250, hottest_bed=80)

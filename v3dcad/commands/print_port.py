@@ -167,19 +167,19 @@ class _Printing:
             journal_of(path, self.link.port), head, time.monotonic,
             begun=begun, instead_of=earlier_journal,
         )  # fmt: skip
-        job = Job(
-            (line for line in self.program.lines() if line.number > done_before),
-            greeting,
-            self.settings,
-            recorder=journal,
-            before=onward.before if onward else (),
-            state=onward.state if onward else None,
-            lines_done=done_before,
-            offset=onward.offset if onward else 0,
-        )
-        turn = _Turn(job, self)
         done = False
         try:
+            job = Job(
+                (line for line in self.program.lines() if line.number > done_before),
+                greeting,
+                self.settings,
+                recorder=journal,
+                before=onward.before if onward else (),
+                state=onward.state if onward else None,
+                lines_done=done_before,
+                offset=onward.offset if onward else 0,
+            )
+            turn = _Turn(job, self)
             end = run_job(job, self.link, each_turn=turn)
             done = True
         except PrintError as error:
