@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import select
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -120,10 +120,12 @@ def test_resuming_asks(tmp_path: Path, key: str, code: int) -> None:
     assert (len(firmware.numbers) > obeyed) is (key == "y")
 
 
-def run(capsys: pytest.CaptureFixture[str], *words: object, stdin: str = "") -> tuple[int, str]:
-    with pytest.MonkeyPatch.context() as patch:
+def run(capsys: pytest.CaptureFixture[str], *words: object, stdin: bytes = b"") -> tuple[int, str]:
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryFile("w+") as typed:
+        typed.buffer.write(stdin)
+        typed.seek(0)
         patch.setattr(sys, "argv", ["v3dcad", *map(str, words)])
-        patch.setattr(sys, "stdin", io.StringIO(stdin))
+        patch.setattr(sys, "stdin", typed)
         with pytest.raises(SystemExit) as stop:
             main()
     said = capsys.readouterr()
@@ -133,9 +135,9 @@ def run(capsys: pytest.CaptureFixture[str], *words: object, stdin: str = "") -> 
 def test_the_console_sends_a_pipe_line_by_line(capsys: pytest.CaptureFixture[str]) -> None:
     with PtyPrinter(Firmware()) as printer:
         words = ["console", "--port", printer.port]
-        code, said = run(capsys, *words, stdin="M115\n\nG28 ; home\nM105\n")
+        code, said = run(capsys, *words, stdin=b"M115\n\nG28 ; home\nM117 \xff\nM105\n")
     assert code == 0
-    assert printer.firmware.obeyed == ["M115", "G28 ; home", "M105"]
+    assert printer.firmware.obeyed == ["M115", "G28 ; home", "M117 ?", "M105"]
     assert said.splitlines()[0].startswith("FIRMWARE_NAME:Marlin")
     assert said.splitlines()[-1].startswith("ok T:")
     assert "give --port" in run(capsys, "console")[1]
@@ -198,3 +200,15 @@ def test_wishes_as_json(line: str, wish: Wish | None) -> None:
     found = wish_of(line)
     assert found == wish if wish else found.do == "mistake"
     assert len(found.text) < 200
+
+
+def test_a_console_whose_cable_is_pulled_ends_in_one_line(tmp_path: Path) -> None:
+    printer = PtyPrinter(Firmware())
+    with printer:
+        terminal = Terminal(tmp_path, "console", "--port", printer.port)
+        terminal.press("M115\n")
+        terminal.sees("FIRMWARE_NAME:Marlin")
+        printer.unplug()
+        assert terminal.code() == 2
+    assert "Traceback" not in terminal.shown
+    assert "Fatal" not in terminal.shown
