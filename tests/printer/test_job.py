@@ -176,8 +176,10 @@ def test_the_printer_cancels() -> None:
     def cancel() -> None:
         firmware.say("//action:cancel", world.now)
         firmware.say("//action:dance", world.now)
+        firmware.say("//action:prompt_begin Filament runout", world.now)
 
     assert world.run(job, (lambda: job.snapshot().line == 20, cancel)) == End.CANCELLED
+    assert list(job.told.messages) == ["Filament runout"]
 
 
 def test_overrides() -> None:
