@@ -89,7 +89,7 @@ class Room:
 
 
 ROOMS = (
-    Room("cli.py, commands/", ("commands", "cli", "options", "warm_up"), 0, 20, 3, 56),
+    Room("cli.py, commands/", ("commands", "cli", "__main__", "options", "warm_up"), 0, 20, 3, 56),
     Room("adapters/", ("adapters",), 3, 20, 3, 56),
     Room(
         "pipeline.py",

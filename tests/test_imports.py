@@ -52,6 +52,7 @@ MAY_IMPORT = {
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors"},
+    "__main__": {"cli"},
     "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
 }
 
