@@ -141,7 +141,8 @@ class Work:
         file = Path(self._needed("to", str))
         kind = kind_of(file)
         how, printing = self._sizes(), self._printing()
-        structure = self._named(self._watched(self._whole(), f"writing {file.name}"))
+        # As the command line does: a layer by itself has its edges in another order.
+        structure = self._named(self._watched(self._structure(), f"writing {file.name}"))
         lines: list[str] = []
         if kind == "gcode":
             printed = structure.write_gcode(file, printing)
