@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,6 +25,7 @@ from v3dcad.model import (
     Placement,
     Progress,
     Recipe,
+    Section,
     unheard,
 )
 from v3dcad.parts import MeshPart, part_from
@@ -41,7 +42,7 @@ from v3dcad.recipes import (
     sites_of,
 )
 from v3dcad.report import Print, graded_report, report
-from v3dcad.settings import Field, FillSettings, PrintSettings
+from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -249,10 +250,40 @@ def build(
     in which the sites of cells of many sizes are made. Raises `SettingError` where
     settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
+    return fill_sectioned(sectioned(part, settings, executor), settings, sites, progress)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SectionedPart:
+    """A part on the bed and those of its sections that are filled."""
+
+    part: Part
+    heights: Floats
+    """(k,) mm: of all layers"""
+    sections: Sequence[Section]
+    """one for each layer; where layers are lofted, the first and the last"""
+
+
+def sectioned(
+    part: Part, settings: FillSettings, executor: Executor | None = None
+) -> SectionedPart:
+    """The first half of `build`: goes by `SectionSettings` and `FillSettings.lofts` only."""
+    part = part.placed(on_bed(part.bounds, settings.base_clearance))
+    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    planes = np.unique(heights[[0, -1]]) if settings.lofts else heights
+    return SectionedPart(part, heights, part.sections(planes, settings.chord_tolerance, executor))
+
+
+def fill_sectioned(
+    found: SectionedPart,
+    settings: FillSettings,
+    sites: Floats | None = None,
+    progress: Progress = unheard,
+) -> Structure:
+    """The second half of `build`, for a part that was cut by the same settings."""
     if sites is not None:
         check_fits_sites(settings, sites)
-    part = part.placed(on_bed(part.bounds, settings.base_clearance))
-    placement = part.placement
+    part = found.part
     rectangle = part.bounds[:, :2]
     if sites is not None and not _any_inside(sites[:, :2], rectangle):
         low, high = rectangle
@@ -263,32 +294,18 @@ def build(
         )
     graded: Graded | None = None
     if not isinstance(settings.cell_size, float | int) and settings.cell_size != "auto":
+        from v3dcad.fields.sources import size_field
         from v3dcad.structure.foam.graded import graded_sites
 
         low, high = part.bounds
-        field = _size_field(settings.cell_size, part)
-        graded = graded_sites(field, low, high, settings, progress)
+        graded = graded_sites(size_field(settings.cell_size, part), low, high, settings, progress)
         sites, settings = graded.sites, replace(settings, cell_size="auto", stretch=graded.stretch)
-    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
-    lofts = settings.method == "thesis" and settings.interpolate
-    planes = np.unique(heights[[0, -1]]) if lofts else heights
-    sections = part.sections(planes, settings.chord_tolerance, executor)
-    filling = fill_sections(sections, sites, settings, rectangle)
-    if lofts:
+    filling = fill_sections(found.sections, sites, settings, rectangle)
+    layers: Sequence[Layer] = filling.layers
+    if settings.lofts:
         assert isinstance(filling, ThesisFilling)
-        return Structure(part, placement, filling, lofted(filling, heights), sites)
-    return Structure(part, placement, filling, filling.layers, sites, graded)
-
-
-def _size_field(cell_size: str | Field, part: Part) -> Callable[[Floats], Floats]:
-    """A cell size in the source's coordinates as a field of places (n, 3), bed coordinates."""
-    from v3dcad.fields.sources import in_range, part_field
-
-    back = part.placement.inverse()
-    if isinstance(cell_size, str):
-        cell_size = part_field(cell_size, part.placed(back))
-    field = in_range(cell_size)
-    return lambda places: field(*np.ascontiguousarray(part.placement.to_source(places).T))
+        layers = lofted(filling, found.heights)
+    return Structure(part, part.placement, filling, layers, sites, graded)
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:
@@ -328,9 +345,8 @@ def fill(
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor, progress)
     explicit = given_sites(sites)
-    if settings.get("method") == "thesis":
-        settings = {**settings, "sites": len(explicit)}
-    return build(part_from(source), known_settings(settings), explicit, executor, progress)
+    chosen = known_settings(settings, explicit)
+    return build(part_from(source), chosen, explicit, executor, progress)
 
 
 def build_recipe(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +22,16 @@ BEYOND = 0.5
 """Points that leave more of the part's length, along an axis, uncovered do not belong to it."""
 
 
-def part_field(text: str, part: Part) -> Field:
-    """The field that an expression says for a part, where it lies; see `field_of`."""
-    return field_of(text, sources_of(part))
+def size_field(cell_size: str | Field, part: Part) -> Callable[[Floats], Floats]:
+    """Cell sizes (n,), mm, at places (n, 3), mm, for a part on the bed, in bed coordinates.
+
+    `cell_size` is an expression, see `field_of`, or a function, both in the coordinates of the
+    part's source. Raises `SettingError` where it cannot be computed with.
+    """
+    if isinstance(cell_size, str):
+        cell_size = field_of(cell_size, sources_of(part.placed(part.placement.inverse())))
+    field, placement = in_range(cell_size), part.placement
+    return lambda places: field(*np.ascontiguousarray(placement.to_source(places).T))
 
 
 def sources_of(part: Part) -> Mapping[str, Source]:
