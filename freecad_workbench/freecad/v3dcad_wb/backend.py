@@ -78,7 +78,7 @@ class Worker:
             self._folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-"))
         return self._folder
 
-    def ask(self, job: Job) -> Job:
+    def ask(self, job: Job) -> None:
         """Put a job in the queue; with a window its answer comes later, without one it is there."""
         if job.kind:
             self.waiting = [one for one in self.waiting if one.kind != job.kind]
@@ -86,7 +86,6 @@ class Worker:
         self._go_on()
         if not App.GuiUp:
             self.wait(job)
-        return job
 
     def wait(self, job: Job) -> None:
         """Read until a job is over; for FreeCAD without a window, which has no event loop."""

@@ -47,6 +47,7 @@ class VoronoiFill:
     def start(self) -> None:
         """What is never saved."""
         self.job: Job | None = None
+        self.asked = ""
         self.reports: dict[str, Answer] = {}
         self.quiet = False
 
@@ -96,19 +97,19 @@ class VoronoiFill:
         if made == obj.Made:
             return self._say(obj, FRESH)
         if self.job is not None and not self.job.over:
-            if self.job.request.get("made") == made:
+            if self.asked == made:
                 return None
             worker.cancel(self.job)
         limit = PREFERENCES.GetInt("ShapeUpTo", SHAPE_UP_TO)
         self._say(obj, tr("stale: computing"))
-        self.job = worker.ask(
-            Job(
-                {"do": "fill", "shape_up_to": limit, "made": made, **request},
-                lambda answer: self._take(obj, answer, made),
-                lambda error: self._fail(obj, error),
-                tr("Filling {label}").format(label=obj.Source.Label),
-            )
+        self.asked = made
+        self.job = Job(
+            {"do": "fill", "shape_up_to": limit, **request},
+            lambda answer: self._take(obj, answer, made),
+            lambda error: self._fail(obj, error),
+            tr("Filling {label}").format(label=obj.Source.Label),
         )
+        worker.ask(self.job)
         return None
 
     def _take(self, obj: Any, answer: Answer, made: str) -> None:
@@ -175,25 +176,33 @@ class VoronoiFill:
     __setstate__ = loads
 
 
-def make_voronoi_fill(doc: Any, source: Any) -> Any:
+def make_voronoi_fill(
+    doc: Any, source: Any, settings: dict[str, Any] | None = None, sites_file: str | None = None
+) -> Any:
     """Add a fill of `source` to a document and compute it; its property `Status` says how it went.
 
-    With a window the result comes a little later. Settings are properties (`CellSize` …), changed
-    as those of any object and followed by `doc.recompute()`.
+    With a window the result comes a little later. Settings may be given by v3dcad's names; they are
+    properties (`CellSize` …), changed as those of any object and followed by `doc.recompute()`.
+    `sites_file` is an array (n, 3) of sites in mm, as `.npy`.
     """
     obj = doc.addObject("Part::FeaturePython", "VoronoiFill")
     obj.Label = tr("Foam in {label}").format(label=source.Label)
     proxy = VoronoiFill(obj, source)
+    if sites_file:
+        obj.SitesFile = sites_file
     if App.GuiUp:
         from .view_provider import ViewVoronoiFill
 
         ViewVoronoiFill(obj.ViewObject)
-    if worker.settings or not App.GuiUp:
-        worker.hello(
-            lambda: proxy.add_settings(obj),
-            lambda error: proxy._fail(obj, error),
-        )
-    proxy.execute(obj)
+
+    def begin() -> None:
+        if is_there(obj):
+            proxy.add_settings(obj)
+            with proxy.unheard():
+                properties.set_values(obj, settings or {}, worker.settings)
+            proxy.execute(obj)
+
+    worker.hello(begin, lambda error: proxy._fail(obj, error))
     obj.purgeTouched()
     return obj
 

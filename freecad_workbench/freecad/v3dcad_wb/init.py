@@ -3,7 +3,6 @@
 """What FreeCAD loads at its start, with and without a window: file types, and mending of fills."""
 
 import FreeCAD
-
 from freecad.v3dcad_wb import restore
 
 EXCHANGE = "freecad.v3dcad_wb.exchange"
