@@ -33,10 +33,29 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {"files", "forms", "parts", "recipes", "report", "structure", "toolpath", "version"},
+    "watched": set(),
+    "exports": INSIDE | {"pipeline"},
+    "worker": INSIDE
+    | {
+        "exports",
+        "formats",
+        "forms",
+        "kernel",
+        "parts",
+        "pipeline",
+        "recipes",
+        "report",
+        "version",
+        "view",
+        "warm_up",
+        "watched",
+        "worker",
+    },
     "options": {"settings"},
     "commands": INSIDE
     | {
         "commands",
+        "exports",
         "files",
         "formats",
         "ont",
@@ -49,6 +68,7 @@ MAY_IMPORT = {
         "slicing",
         "structure",
         "warm_up",
+        "watched",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors"},

@@ -175,16 +175,22 @@ class Forms(Protocol):
                 shapes, beside, self.part.name, schema=schema, curves=curves, surfaces_only=plane
             )
 
-    def write_brep(self, path: str | Path, form: str = "wires", **sizes: Any) -> None:
-        """Write a form as BREP, which keeps all that is shared; as `write_step` does else."""
+    def write_brep(self, path: str | Path, form: str = "wires", **sizes: Any) -> Any:
+        """Write a form as BREP, which keeps all that is shared, and give the shape back.
+
+        As `write_step` does else.
+        """
         from v3dcad.kernel.shapes import compound
         from v3dcad.kernel.step import write_brep
 
         with written_beside(Path(path)) as beside:
             if form == "wires":
-                write_brep(self.wires(), beside)
+                _only(sizes, form)
+                shape = self.wires()
             else:
-                write_brep(compound(shape for _, shape, _ in self._named(form, sizes)), beside)
+                shape = compound(shape for _, shape, _ in self._named(form, sizes))
+            write_brep(shape, beside)
+        return shape
 
     def write_stl(
         self, path: str | Path, form: str = "walls", *, ascii: bool = False, **sizes: Any
@@ -310,6 +316,20 @@ class Forms(Protocol):
 
     def _at_source(self, mesh: Mesh) -> Mesh:
         return Mesh(self.placement.to_source(np.asarray(mesh.vertices)), mesh.triangles)
+
+
+def write_part(part: Part, path: Path) -> None:
+    """Write a part as placed on the bed: solids as BREP, a mesh as STL (float32)."""
+    shape = getattr(part, "shape", None)
+    with written_beside(path) as beside:
+        if shape is None:
+            from v3dcad.formats.mesh.stl import binary_stl
+
+            beside.write_bytes(binary_stl(part.mesh()))
+            return
+        from v3dcad.kernel.step import write_brep
+
+        write_brep(shape, beside)
 
 
 def _title(layer: Layer) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
-from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe
+from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe, Section
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -228,10 +228,37 @@ def build(
     settings say. An executor computes several sections at a time. Raises `SettingError` where
     settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
+    return fill_sectioned(sectioned(part, settings, executor), settings, sites)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SectionedPart:
+    """A part on the bed and those of its sections that are filled."""
+
+    part: Part
+    heights: Floats
+    """(k,) mm: of all layers"""
+    sections: Sequence[Section]
+    """one for each layer; where layers are lofted, the first and the last"""
+
+
+def sectioned(
+    part: Part, settings: FillSettings, executor: Executor | None = None
+) -> SectionedPart:
+    """The first half of `build`: goes by `SectionSettings` and `FillSettings.lofts` only."""
+    part = part.placed(on_bed(part.bounds, settings.base_clearance))
+    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    planes = np.unique(heights[[0, -1]]) if settings.lofts else heights
+    return SectionedPart(part, heights, part.sections(planes, settings.chord_tolerance, executor))
+
+
+def fill_sectioned(
+    found: SectionedPart, settings: FillSettings, sites: Floats | None = None
+) -> Structure:
+    """The second half of `build`, for a part that was cut by the same settings."""
     if sites is not None:
         check_fits_sites(settings, sites)
-    part = part.placed(on_bed(part.bounds, settings.base_clearance))
-    placement = part.placement
+    part = found.part
     rectangle = part.bounds[:, :2]
     if sites is not None and not _any_inside(sites[:, :2], rectangle):
         low, high = rectangle
@@ -240,15 +267,12 @@ def build(
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
-    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
-    lofts = settings.method == "thesis" and settings.interpolate
-    planes = np.unique(heights[[0, -1]]) if lofts else heights
-    sections = part.sections(planes, settings.chord_tolerance, executor)
-    filling = fill_sections(sections, sites, settings, rectangle)
-    if lofts:
+    filling = fill_sections(found.sections, sites, settings, rectangle)
+    layers: Sequence[Layer] = filling.layers
+    if settings.lofts:
         assert isinstance(filling, ThesisFilling)
-        return Structure(part, placement, filling, lofted(filling, heights), sites)
-    return Structure(part, placement, filling, filling.layers, sites)
+        layers = lofted(filling, found.heights)
+    return Structure(part, part.placement, filling, layers, sites)
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:
@@ -285,9 +309,7 @@ def fill(
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor)
     explicit = explicit_sites(sites)
-    if settings.get("method") == "thesis":
-        settings = {**settings, "sites": len(explicit)}
-    return build(part_from(source), known_settings(settings), explicit, executor)
+    return build(part_from(source), known_settings(settings, explicit), explicit, executor)
 
 
 def build_recipe(

@@ -56,8 +56,13 @@ def read_ont(path: str | Path) -> Recipe:
     return ont.read_ont(Path(path))
 
 
-def known_settings(chosen: dict[str, Any]) -> FillSettings:
-    """The settings of a call; `SettingError` for a name that is none, or another method's."""
+def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillSettings:
+    """The settings of a call, with sites (n, 2) or (n, 3) if it gives them.
+
+    `SettingError` for a name that is none, or another method's.
+    """
+    if sites is not None and chosen.get("method") == "thesis":
+        chosen = {**chosen, "sites": len(sites)}
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
             raise SettingError(name, f"there is no setting {name!r}")

@@ -201,6 +201,11 @@ class FillSettings(SectionSettings):
             if getattr(self, name) != field.default:
                 self.refuse_other(name, self.method)
 
+    @property
+    def lofts(self) -> bool:
+        """Whether only the first and the last layer are computed, and those between lofted."""
+        return self.method == "thesis" and self.interpolate
+
     @staticmethod
     def refuse_other(name: str, method: str) -> None:
         """Raise `SettingError` for a setting that belongs to another method."""

@@ -72,6 +72,7 @@ def fill(
     named |= {"stl": stl, "threemf": threemf, "brep": brep, "svg": svg}
     files = _files(part, out, named)
     load_engine()
+    from v3dcad.exports import export
     from v3dcad.parts import check_readable
     from v3dcad.pipeline import fill as fill_part
 
@@ -94,36 +95,13 @@ def fill(
             if kind == "gcode":
                 printed = watched.write_gcode(file, printing)
             elif kind != "report":
-                _export(watched, kind, file, exporting, printing.bead_width)
+                export(watched, kind, file, exporting, printing.bead_width)
         progress.start("checking what holds up each layer")
         if "report" in files:
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
     _print_summary(structure, summary, files)
-
-
-def _export(
-    structure: Structure, kind: str, file: Path, how: ExportSettings, bead_width: float
-) -> None:
-    """Write one file that is no G-code and no report."""
-    if kind == "ont":
-        structure.write_ont(file, None if how.boundary == "auto" else how.boundary)
-    elif kind == "png":
-        structure.write_png(file)
-    elif kind == "svg":
-        structure.write_svg(file, how.svg_layer)
-    elif kind == "stl":
-        sizes = how.sizes(how.stl_as, bead_width)
-        structure.write_stl(file, how.stl_as, ascii=how.stl_ascii, **sizes)
-    elif kind == "threemf":
-        structure.write_3mf(file, how.threemf_as, **how.sizes(how.threemf_as, bead_width))
-    else:
-        sizes = how.sizes(how.step_as, bead_width)
-        if how.step_as == "solid":
-            sizes["skin"] = how.skin
-        write = structure.write_step if kind == "step" else structure.write_brep
-        write(file, how.step_as, **sizes)
 
 
 def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
@@ -153,6 +131,7 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
 
 
 def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[str, Path]) -> None:
+    from v3dcad.exports import print_lines, written_line
     from v3dcad.report import certificate_line
 
     width, depth, height = summary["size_mm"]
@@ -164,8 +143,8 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m in all layers"),
             *_method_rows(summary),
             ("overhang", certificate_line(summary["overhang"])),
-            *_print_rows(summary.get("print")),
-            *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values()),
+            *(print_lines(summary["print"]).items() if "print" in summary else ()),
+            *(("written", written_line(file)) for file in files.values()),
             *(("note", finding) for finding in structure.findings()),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ]
@@ -180,16 +159,6 @@ def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     return [
         ("births", f"{len(summary['births'])}"),
         ("offset", f"{summary['settings']['offset']:.6g} mm² a layer"),
-    ]
-
-
-def _print_rows(printed: dict[str, Any] | None) -> list[tuple[str, str]]:
-    if printed is None:
-        return []
-    hours, minutes = divmod(round(printed["time_s"] / 60), 60)
-    return [
-        ("print time", f"{hours} h {minutes:02d} min, without heating"),
-        ("filament", f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g"),
     ]
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from v3dcad.watched import Watched
 
 T = TypeVar("T")
 
@@ -50,23 +52,8 @@ class Progress:
 
     def watch(self, layers: Sequence[T]) -> Sequence[T]:
         """The same layers or sections; going through them moves the bar."""
-        return _Watched(layers, self)
 
+        def passed(done: int) -> None:
+            self.bar.update(self.task, total=len(layers), completed=done)
 
-class _Watched(Sequence[T]):
-    def __init__(self, layers: Sequence[T], progress: Progress) -> None:
-        self.layers = layers
-        self.progress = progress
-
-    def __len__(self) -> int:
-        return len(self.layers)
-
-    def __getitem__(self, index: Any) -> Any:
-        return self.layers[index]
-
-    def __iter__(self) -> Iterator[T]:
-        bar, task = self.progress.bar, self.progress.task
-        bar.update(task, total=len(self.layers), completed=0)
-        for layer in self.layers:
-            yield layer
-            bar.advance(task)
+        return Watched(layers, passed)

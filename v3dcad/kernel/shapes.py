@@ -18,9 +18,10 @@ from OCP.GProp import GProp_GProps
 from OCP.ShapeFix import ShapeFix_Shape
 from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
-from OCP.TopExp import TopExp_Explorer
+from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Shape
+from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.model import Floats, Placement
 
@@ -44,6 +45,13 @@ def subshapes(shape: TopoDS_Shape, kind: Any, outside: Any = None) -> Iterator[T
     while explorer.More():
         yield explorer.Current()
         explorer.Next()
+
+
+def count(shape: TopoDS_Shape, kind: Any) -> int:
+    """How many subshapes of a kind there are, each shared one counted once."""
+    found = TopTools_IndexedMapOfShape()
+    TopExp.MapShapes_s(shape, kind, found)
+    return int(found.Extent())
 
 
 def compound(shapes: Iterable[TopoDS_Shape]) -> TopoDS_Compound:

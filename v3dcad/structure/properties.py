@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from v3dcad.errors import SettingError
 from v3dcad.geometry.section_area import section_area
@@ -20,6 +21,9 @@ from v3dcad.model import Floats, Layer, Value
 ARC = 64
 """Chords to a quarter circle, where a void goes round a reflex corner of a contour: each such
 corner errs by less than 1e-4 of the bead width squared, mm². All else is exact."""
+
+POLYGON = 3
+"""shapely's number for the type"""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -78,20 +82,39 @@ def properties(
 def _voids(
     layer: Layer, area: shapely.Geometry, bead_width: float, perimeters: int
 ) -> shapely.Geometry:
-    """What the beads leave open in a layer."""
+    """What the beads leave open in a layer: of each cell what is far from its walls and contours.
+
+    Beads on the contour inside `perimeters` beads of it change nothing, so that a cell's whole
+    outline can be drawn in by half a bead.
+    """
     core = shapely.buffer(area, -perimeters * bead_width, quad_segs=ARC)
-    diagram = layer.diagram
-    walls = shapely.linestrings(diagram.vertices[diagram.edges[diagram.inner()]])
-    # Ends need no caps: cells are convex, so that the beads that meet in a vertex cover all that is
-    # near it, and what is near a contour lies under the perimeters.
-    beads = shapely.buffer(walls, bead_width / 2, cap_style="flat")
-    return shapely.difference(core, shapely.union_all(beads))
+    open_cells = shapely.buffer(_outlines(layer), -bead_width / 2, quad_segs=ARC)
+    shapely.prepare(core)
+    crossing = ~shapely.contains_properly(core, open_cells)
+    open_cells[crossing] = shapely.intersection(core, open_cells[crossing])
+    return shapely.geometrycollections(open_cells)
+
+
+def _outlines(layer: Layer) -> NDArray[np.object_]:
+    """The cells (c,) of a layer as polygons, or several."""
+    cells = layer.diagram.cells()
+    whole = [rings[0] for rings in cells.values() if len(rings) == 1]
+    points = np.concatenate(whole) if whole else np.empty((0, 2))
+    of = np.repeat(np.arange(len(whole)), [len(ring) for ring in whole])
+    polygons = shapely.polygons(shapely.linearrings(points, indices=of)) if whole else []
+    pieces = [
+        shapely.build_area(shapely.MultiLineString([np.vstack([ring, ring[:1]]) for ring in rings]))
+        for rings in cells.values()
+        if len(rings) > 1
+    ]
+    return np.array([*polygons, *pieces], np.object_)
 
 
 def _plane_moments(area: shapely.Geometry) -> Floats:
     """∫ 1, x, y, x², y², xy over polygons, by Green's theorem over their rings."""
     total = np.zeros(6)
-    rings = shapely.get_rings(shapely.orient_polygons(shapely.get_parts(area)))
+    parts = shapely.get_parts(shapely.get_parts(area))  # of a collection of multipolygons
+    rings = shapely.get_rings(shapely.orient_polygons(parts[shapely.get_type_id(parts) == POLYGON]))
     points, of = shapely.get_coordinates(rings, return_index=True)
     if not len(points):
         return total

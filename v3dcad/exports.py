@@ -1,0 +1,71 @@
+"""Writing one file of a structure, whatever its kind, and what a print takes, in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from v3dcad.errors import SettingError
+from v3dcad.settings import ExportSettings
+
+if TYPE_CHECKING:
+    from v3dcad.pipeline import Structure
+
+KINDS = {
+    "gcode": (".gcode",),
+    "ont": (".ont",),
+    "step": (".step", ".stp"),
+    "png": (".png",),
+    "stl": (".stl",),
+    "threemf": (".3mf",),
+    "brep": (".brep", ".brp"),
+    "svg": (".svg",),
+}
+"""Kinds of files, and how their names end."""
+
+
+def kind_of(file: Path) -> str:
+    """The kind of a file by its ending; `SettingError` for one that is not written."""
+    ending = file.suffix.lower()
+    for kind, endings in KINDS.items():
+        if ending in endings:
+            return kind
+    known = ", ".join(ending for endings in KINDS.values() for ending in endings)
+    raise SettingError("to", f"{file}: not a kind of file that is written; give {known}")
+
+
+def export(
+    structure: Structure, kind: str, file: Path, how: ExportSettings, bead_width: float
+) -> None:
+    """Write one file of a kind that is not G-code, which tells more than that it was written."""
+    if kind == "ont":
+        structure.write_ont(file, None if how.boundary == "auto" else how.boundary)
+    elif kind == "png":
+        structure.write_png(file)
+    elif kind == "svg":
+        structure.write_svg(file, how.svg_layer)
+    elif kind == "stl":
+        sizes = how.sizes(how.stl_as, bead_width)
+        structure.write_stl(file, how.stl_as, ascii=how.stl_ascii, **sizes)
+    elif kind == "threemf":
+        structure.write_3mf(file, how.threemf_as, **how.sizes(how.threemf_as, bead_width))
+    else:
+        sizes = how.sizes(how.step_as, bead_width)
+        if how.step_as == "solid":
+            sizes["skin"] = how.skin
+        write = structure.write_step if kind == "step" else structure.write_brep
+        write(file, how.step_as, **sizes)
+
+
+def written_line(file: Path) -> str:
+    """A written file and its size."""
+    return f"{file} ({file.stat().st_size:,} bytes)"
+
+
+def print_lines(printed: dict[str, Any]) -> dict[str, str]:
+    """What a print takes (see `Structure.report`), as lines to show."""
+    hours, minutes = divmod(round(printed["time_s"] / 60), 60)
+    return {
+        "print time": f"{hours} h {minutes:02d} min, without heating",
+        "filament": f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g",
+    }

@@ -1,0 +1,271 @@
+"""What each target of a preview shows (thesis, section 3.3): lines, labels, legend and title.
+
+| target | shows |
+|---|---|
+| `full` | walls and contours of all layers |
+| `layer` | walls and contours of one layer |
+| `cell` | one cell on one layer |
+| `neighbours` | a cell and all its neighbours on that layer |
+| `neighbour` | a cell and one of its neighbours |
+| `tree` | the minimum spanning tree of a layer's sites, over the layer |
+| `cut` | walls and contours where the plane through the part's middle, parallel to x, cuts them |
+
+Where only a part of a layer is shown, its contours are drawn as `context`. Lines lie where the
+part's source lies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from v3dcad.errors import SettingError
+from v3dcad.model import OUTSIDE, Floats, Ints, Layer, Placement, Value
+from v3dcad.view.colours import COLOURS
+from v3dcad.view.vertical_cut import vertical_cut
+
+TARGETS = ("full", "layer", "cell", "neighbours", "neighbour", "tree", "cut")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Lines(Value):
+    """Lines of one role, and so of one colour."""
+
+    role: str
+    """a key of `COLOURS`"""
+    points: Floats
+    """(n, 3) mm"""
+    pairs: Ints
+    """(m, 2) which points each line joins"""
+
+    @property
+    def colour(self) -> str:
+        """Its colour, as #rrggbb."""
+        return COLOURS[self.role]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Labels(Value):
+    """The numbers of sites, to be written at points."""
+
+    sites: Ints
+    """(k,)"""
+    points: Floats
+    """(k, 3) mm"""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Preview:
+    """What is shown of a structure."""
+
+    title: str
+    lines: tuple[Lines, ...]
+    """what is most important comes last, to be drawn over the others"""
+    labels: Labels
+
+    @property
+    def legend(self) -> dict[str, str]:
+        """The colour of each role that is shown."""
+        return {lines.role: lines.colour for lines in self.lines}
+
+
+def preview(
+    target: str,
+    layers: Sequence[Layer],
+    placement: Placement,
+    index: int = 0,
+    cell: int | None = None,
+    neighbour: int | None = None,
+) -> Preview:
+    """What a target shows of a structure's layers.
+
+    `index` is the layer that is meant, `cell` and `neighbour` are site numbers; targets that need
+    none of them leave them unread. Of layers that are computed when they are asked for, only one
+    is, but by `full` and `cut`, which go through all. Raises `SettingError` for a target, layer or
+    cell that is not there.
+    """
+    if target not in TARGETS:
+        raise SettingError("target", f"target {target!r}: give {', '.join(TARGETS)}")
+    if target in ("full", "cut"):
+        shown = _full(layers) if target == "full" else _cut(layers)
+    else:
+        if not 0 <= index < len(layers):
+            raise SettingError("layer", f"layer {index}: the layers are 0 to {len(layers) - 1}")
+        layer = layers[index]
+        if target == "layer":
+            shown = _layer(layer)
+        elif target == "tree":
+            shown = _tree(layer)
+        elif target == "cell":
+            shown = _cell(layer, _known(layer, "cell", cell))
+        else:
+            shown = _neighbours(layer, _known(layer, "cell", cell), target, neighbour)
+    return _at_source(shown, placement)
+
+
+def _full(layers: Sequence[Layer]) -> Preview:
+    drawn = [_walls_and_contours(layer) for layer in layers]
+    lines = tuple(_joined(role, [one[k] for one in drawn]) for k, role in enumerate(_FULL))
+    return Preview(f"the whole structure, {len(layers)} layers", lines, _unlabelled())
+
+
+def _cut(layers: Sequence[Layer]) -> Preview:
+    found = vertical_cut(layers)
+    ends = [layers[k] for k in sorted({0, len(layers) - 1}) if k >= 0]
+    context = _joined("context", [_contours(layer) for layer in ends])
+    lines = (
+        context,
+        Lines("contour", found.points, found.contours),
+        Lines("wall", found.points, found.walls),
+    )
+    return Preview(f"vertical cut at y = {found.y:g} mm on the bed", lines, _unlabelled())
+
+
+def _layer(layer: Layer) -> Preview:
+    return Preview(_named(layer), _walls_and_contours(layer), _labels(layer, layer.diagram.sites()))
+
+
+def _tree(layer: Layer) -> Preview:
+    sites = layer.state.sites[:, :2]
+    tree = _lines("tree", sites, layer.tree, layer.z)
+    context = _lines("context", layer.diagram.vertices, layer.diagram.edges, layer.z)
+    title = f"minimum spanning tree of {_named(layer)}"
+    return Preview(title, (context, tree), _unlabelled())
+
+
+def _cell(layer: Layer, cell: int) -> Preview:
+    lines = _contours(layer), _edges(layer, "cell", _around(layer, cell))
+    return Preview(f"cell {cell} of {_named(layer)}", lines, _labels(layer, np.array([cell])))
+
+
+def _neighbours(layer: Layer, cell: int, target: str, neighbour: int | None) -> Preview:
+    """A cell and all its neighbours, or one of them; the walls between belong to the cell."""
+    pairs = layer.diagram.neighbours
+    beside = np.unique(pairs[(pairs == cell).any(axis=1)])
+    beside = beside[beside != cell]
+    title = f"{len(beside)} neighbours of cell {cell}"
+    if target == "neighbour":
+        if neighbour not in beside:
+            raise SettingError(
+                "neighbour",
+                f"neighbour {neighbour}: the neighbours of cell {cell} on layer {layer.index} are "
+                f"{_listed(beside)}",
+            )
+        beside = np.array([neighbour])
+        title = f"cell {cell} and its neighbour {neighbour}"
+    own = _around(layer, cell)
+    others = np.isin(layer.diagram.edge_sites, beside).any(axis=1) & ~own
+    lines = (
+        _contours(layer), _edges(layer, "neighbour", others), _edges(layer, "cell", own)
+    )  # fmt: skip
+    labels = _labels(layer, np.sort(np.append(beside, cell)))
+    return Preview(f"{title}, {_named(layer)}", lines, labels)
+
+
+def _known(layer: Layer, name: str, cell: int | None) -> int:
+    """A site that has a cell on the layer; `SettingError` for any other."""
+    cells = layer.diagram.sites()
+    if cell is None or cell not in cells:
+        raise SettingError(
+            name, f"{name} {cell}: the cells of layer {layer.index} are {_listed(cells)}"
+        )
+    return cell
+
+
+_MOST_LISTED = 12
+
+
+def _listed(sites: Ints) -> str:
+    """Site numbers in words, the first few of many."""
+    first = ", ".join(map(str, sites[:_MOST_LISTED].tolist()))
+    more = len(sites) - _MOST_LISTED
+    return (f"{first} and {more} more" if more > 0 else first) or "none"
+
+
+def _named(layer: Layer) -> str:
+    return f"layer {layer.index}, {layer.z:g} mm above the bed"
+
+
+_FULL = ("contour", "wall")
+
+
+def _walls_and_contours(layer: Layer) -> tuple[Lines, Lines]:
+    inner = layer.diagram.inner()
+    return _edges(layer, "contour", ~inner), _edges(layer, "wall", inner)
+
+
+def _contours(layer: Layer) -> Lines:
+    return _edges(layer, "context", ~layer.diagram.inner())
+
+
+def _around(layer: Layer, cell: int) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """(e,) which edges bound a cell."""
+    return np.asarray((layer.diagram.edge_sites == cell).any(axis=1))
+
+
+def _edges(layer: Layer, role: str, which: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Lines:
+    return _lines(role, layer.diagram.vertices, layer.diagram.edges[which], layer.z)
+
+
+def _lines(role: str, plane: Floats, pairs: Ints, z: float) -> Lines:
+    """Lines between points (n, 2) at a height; of the points, only those that lines end in."""
+    used, places = np.unique(pairs, return_inverse=True)
+    points = np.column_stack([plane[used], np.full(len(used), z)])
+    return Lines(role, points, places.reshape(-1, 2))
+
+
+def _joined(role: str, drawn: Sequence[Lines]) -> Lines:
+    """Several lines as one."""
+    if not drawn:
+        return Lines(role, np.empty((0, 3)), np.empty((0, 2), np.int64))
+    first = np.cumsum([0, *(len(lines.points) for lines in drawn[:-1])])
+    pairs = [lines.pairs + start for lines, start in zip(drawn, first.tolist(), strict=True)]
+    return Lines(role, np.concatenate([lines.points for lines in drawn]), np.concatenate(pairs))
+
+
+def _unlabelled() -> Labels:
+    return Labels(np.empty(0, np.int64), np.empty((0, 3)))
+
+
+def _labels(layer: Layer, sites: Ints) -> Labels:
+    """The numbers of sites, each at the centroid of its cell's outline."""
+    diagram = layer.diagram
+    middles = diagram.vertices[diagram.edges].mean(axis=1)
+    lengths = diagram.lengths()
+    sums = np.zeros((int(sites.max(initial=-1)) + 1, 3))
+    for side in diagram.edge_sites.T:
+        mine = (side != OUTSIDE) & (side < len(sums))
+        weighted = np.column_stack([lengths[:, None] * middles, lengths])[mine]
+        np.add.at(sums, side[mine], weighted)
+    x, y, around = sums[sites].T
+    return Labels(sites, np.column_stack([x / around, y / around, np.full(len(sites), layer.z)]))
+
+
+def _at_source(shown: Preview, placement: Placement) -> Preview:
+    """What is shown, moved from the bed to where the source lies."""
+    moved = tuple(
+        replace(lines, points=placement.to_source(np.asarray(lines.points)))
+        for lines in shown.lines
+    )
+    points = placement.to_source(np.asarray(shown.labels.points))
+    return Preview(shown.title, moved, replace(shown.labels, points=points))
+
+
+def all_lines(layers: Iterable[Layer], placement: Placement) -> tuple[Floats, Ints, Ints]:
+    """All edges of a structure: points (n, 3), mm, where the source lies, pairs (m, 2), and the
+    layer (m,) of each. Goes through the layers once.
+    """
+    points, pairs, indices = [np.empty((0, 3))], [np.empty((0, 2), np.int64)], [np.empty(0, int)]
+    first = 0
+    for layer in layers:
+        diagram = layer.diagram
+        corners = len(diagram.vertices)
+        points.append(np.column_stack([diagram.vertices, np.full(corners, layer.z)]))
+        pairs.append(diagram.edges + first)
+        indices.append(np.full(len(diagram.edges), layer.index))
+        first += corners
+    return (
+        placement.to_source(np.concatenate(points)), np.concatenate(pairs), np.concatenate(indices)
+    )  # fmt: skip

@@ -1,0 +1,26 @@
+"""`python -m v3dcad.worker FOLDER`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+
+def main() -> None:
+    """Answer requests from standard input on standard output, until the input ends."""
+    from v3dcad.worker.parent import requests_of
+
+    if len(sys.argv) != 2 or not Path(sys.argv[1]).is_dir():
+        sys.exit("v3dcad.worker: give one folder, for the files that answers name")
+    requests = requests_of(sys.stdin.buffer)
+    # Whatever a library prints, in Python or C++, must not come between two answers.
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    from v3dcad.worker.loop import serve  # which loads the engine
+
+    serve(requests, answers, Path(sys.argv[1]))
+
+
+if __name__ == "__main__":
+    main()
