@@ -141,12 +141,9 @@ def _fill() -> None:
     from .taskpanel import fill_each
 
     sources = [obj for obj in selected() if can_be_filled(obj) and not is_fill(obj)]
-    document = App.ActiveDocument
-    fills: list[Any] = []
-    fills += fill_each(document, sources)
+    fills = fill_each(App.ActiveDocument, sources)
     Gui.Selection.clearSelection()
     if len(fills) == 1:
-        Gui.Selection.addSelection(fills[0])
         Gui.ActiveDocument.setEdit(fills[0].Name)
 
 

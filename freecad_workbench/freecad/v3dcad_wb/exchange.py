@@ -16,12 +16,6 @@ from .features import is_fill, make_voronoi_fill, read_shape, remove_files, requ
 from .qt import tr
 
 BREP_FORMS = ("wires", "faces", "cells", "solid", "struts")
-FORMS = {
-    ".step": (*BREP_FORMS, "beads"),
-    ".3mf": ("beams", "solid", "struts", "beads"),
-    ".stl": ("walls", "solid", "struts", "beads"),
-}
-"""By the file's ending: what it may hold."""
 ENDINGS = {
     ".gcode": "G-code (*.gcode)",
     ".ont": "Voronoi foam (*.ont)",
@@ -76,7 +70,7 @@ def export_fill(fill: Any, path: str, options: dict[str, Any], done: Done, faile
             _, request = request_of(fill)
         except WorkerError as error:
             return failed(error)
-        request = {"do": "export", **request, "to": str(path), **options}
+        request = {"do": "export", **request, "to": str(path), "name": fill.Source.Label, **options}
         return worker.ask(Job(request, done, failed, title))
 
     worker.hello(ask, failed)

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from .backend import worker
-from .exchange import ENDINGS, FORMS
-from .forms import SettingsForm
+from .exchange import ENDINGS
+from .forms import Field, SettingsForm, label_of
 from .places import PREFERENCES
 from .qt import QtCore, QtWidgets, run_dialog, tr
 
@@ -18,8 +18,16 @@ SIZES = {
     "struts": ("diameter",),
     "beams": ("diameter",),
 }
-"""By form: what it has to be told, mm."""
-DEFAULTS = {"thickness": 0.8, "skin": 0.0, "diameter": 0.8}
+"""By form: the settings that it has to be told."""
+FORM_OF = {".step": "step_as", ".3mf": "threemf_as", ".stl": "stl_as"}
+"""By the file's ending: the setting that names what it may hold."""
+
+
+def declared(name: str) -> dict[str, Any]:
+    """One setting of export, as v3dcad declares it."""
+    return next(
+        one for one in worker.settings if one["group"] == "export" and one["name"] == name
+    )
 
 
 def _buttons(dialog: Any, layout: Any) -> None:
@@ -46,25 +54,17 @@ class FormDialog(QtWidgets.QDialog):
             self.form.addItem(tr("thick walls" if form == "solid" else form), form)
         rows.addRow(tr("Form"), self.form)
         self.sizes = {}
-        for name, text in (
-            ("thickness", tr("Thickness of the walls")),
-            ("skin", tr("Thickness of a hull around them")),
-            ("diameter", tr("Diameter")),
-        ):
-            box = QtWidgets.QDoubleSpinBox()
-            box.setRange(0 if name == "skin" else 0.01, 1000)
-            box.setSuffix(" mm")
-            box.setValue(DEFAULTS[name])
-            rows.addRow(text, box)
-            self.sizes[name] = box
+        for name in ("thickness", "skin", "diameter"):
+            self.sizes[name] = Field(declared(name), lambda: None)
+            rows.addRow(label_of(name), self.sizes[name].whole)
         self.form.currentIndexChanged.connect(lambda _: self._show())
         self._show()
         _buttons(self, layout)
 
     def _show(self) -> None:
         wanted = SIZES.get(self.form.currentData(), ())
-        for name, box in self.sizes.items():
-            box.setEnabled(name in wanted)
+        for name, size in self.sizes.items():
+            size.whole.setEnabled(name in wanted)
 
     def values(self) -> tuple[str, dict[str, float]]:
         """The form, and its sizes in mm."""
@@ -88,7 +88,7 @@ class PrintSettingsDialog(QtWidgets.QDialog):
         layout.addLayout(row)
         note = QtWidgets.QLabel(tr("What is changed here goes before the profile."))
         layout.addWidget(note)
-        self.fields = SettingsForm([one for one in worker.settings if one["group"] != "fill"])
+        self.fields = SettingsForm([one for one in worker.settings if one["group"] == "print"])
         area = QtWidgets.QScrollArea()
         area.setWidget(self.fields)
         area.setWidgetResizable(True)
@@ -119,8 +119,9 @@ def ask_export(fill: Any, parent: Any) -> tuple[str, dict[str, Any]] | None:
     if ending == ".gcode":
         dialog = PrintSettingsDialog(parent)
         return (path, dialog.options()) if run_dialog(dialog) else None
-    if ending in FORMS:
-        choice = FormDialog(tr("Export"), FORMS[ending], parent)
+    if ending in FORM_OF:
+        forms = tuple(declared(FORM_OF[ending])["choices"])
+        choice = FormDialog(tr("Export"), forms, parent)
         if not run_dialog(choice):
             return None
         form, sizes = choice.values()

@@ -259,10 +259,12 @@ def show_result(obj: Any, answer: Answer) -> None:
     if answer["shape"]:
         shape = read_shape(answer["shape"])
         obj.Shape = shape
+        obj.Edges = shape.countElement("Edge")
     else:
         obj.Lines = answer["lines"]
         obj.Shape = Part.Shape()
-    obj.Edges, obj.Layers = answer["edges"], answer["layers"]
+        obj.Edges = answer["edges"]
+    obj.Layers = answer["layers"]
 
 
 def read_shape(path: str) -> Any:

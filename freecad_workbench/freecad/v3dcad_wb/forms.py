@@ -16,6 +16,19 @@ LONG_TEXT = 60
 """A text with more characters, or lines, is left to profiles."""
 
 
+class Number(QtWidgets.QDoubleSpinBox):
+    """A number without trailing zeros, in a box that may be narrow."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setDecimals(4)
+        self.setMinimumWidth(70)
+
+    def textFromValue(self, value: float) -> str:  # noqa: N802, Qt's name
+        """As short as it can be."""
+        return str(self.locale().toString(float(value), "g", 7))
+
+
 class Field:
     """One setting: a number, a word in its place, a choice, a switch or a text."""
 
@@ -26,6 +39,7 @@ class Field:
         self.whole = self.widget
         if declared["words"]:
             self.words = QtWidgets.QComboBox()
+            self.words.setMinimumWidth(70)
             for word in (*declared["words"], GIVEN):
                 self.words.addItem(tr(word), word)
             self.whole = QtWidgets.QWidget()
@@ -53,10 +67,10 @@ class Field:
             least, most = limits_of(self.declared)
             if kind == "int":
                 box = QtWidgets.QSpinBox()
+                box.setMinimumWidth(70)
                 box.setRange(int(least), int(most))
             else:
-                box = QtWidgets.QDoubleSpinBox()
-                box.setDecimals(4 if self.declared["unit"] == "mm" else 3)
+                box = Number()
                 box.setRange(least, most)
                 box.setSingleStep(0.1 if self.declared["unit"] == "mm" else 1)
             unit = self.declared["unit"]
@@ -110,8 +124,9 @@ class SettingsForm(QtWidgets.QWidget):
         super().__init__()
         self._changed = changed
         self.fields: dict[str, Field] = {}
-        layout = QtWidgets.QFormLayout(self)
+        self._layout = layout = QtWidgets.QFormLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
+        told, self._changed = self._changed, lambda: None
         for one in settings:
             if one["type"] == "str" and len(str(one["default"])) > LONG_TEXT:
                 continue
@@ -119,11 +134,12 @@ class SettingsForm(QtWidgets.QWidget):
             field.whole.setObjectName(one["name"])
             self.fields[one["name"]] = field
             layout.addRow(label_of(one["name"]), field.whole)
-        self._layout = layout
+        self._changed = told
         self._show_method()
 
     def _on_change(self) -> None:
-        self._show_method()
+        if "method" in self.fields:
+            self._show_method()
         self._changed()
 
     def _show_method(self) -> None:
@@ -132,8 +148,10 @@ class SettingsForm(QtWidgets.QWidget):
         method = self.fields["method"].value()
         for field in self.fields.values():
             shown = field.declared["method"] in (None, method)
-            field.whole.setVisible(shown)
-            self._layout.labelForField(field.whole).setVisible(shown)
+            label = self._layout.labelForField(field.whole)
+            if label is not None:
+                field.whole.setVisible(shown)
+                label.setVisible(shown)
 
     def values(self) -> dict[str, Any]:
         """All settings of the chosen method."""

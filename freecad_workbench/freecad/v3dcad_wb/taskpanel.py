@@ -48,6 +48,8 @@ class FillPanel:
         layout.addWidget(self.said)
         layout.addStretch(1)
         self.preview = Preview(obj.Document)
+        self.was_visible = obj.ViewObject.Visibility
+        obj.ViewObject.Visibility = False
         self.layers = max(obj.Layers, 1)
         self.slider.valueChanged.connect(lambda _: self.ask())
         worker.hello(self._begin, self._refused)
@@ -74,7 +76,7 @@ class FillPanel:
         if self.fields is None:
             return
         wanted = {"settings": self.fields.values(), "layer": self.slider.value()}
-        self.preview.ask({**self.request, **wanted, "target": "full"}, self._shown, self._refused)
+        self.preview.ask({**self.request, **wanted, "target": "layer"}, self._shown, self._refused)
 
     def _shown(self, answer: Answer) -> None:
         self.layers = answer["layers"]
@@ -118,6 +120,8 @@ class FillPanel:
     def reject(self) -> bool:
         """Close; the preview goes."""
         self.preview.close()
+        if is_there(self.obj):
+            self.obj.ViewObject.Visibility = self.was_visible
         if Gui.ActiveDocument is not None and Gui.ActiveDocument.getInEdit():
             Gui.ActiveDocument.resetEdit()
         Gui.Control.closeDialog()

@@ -20,13 +20,13 @@ class ViewVoronoiFill:
     def __init__(self, vobj: Any) -> None:
         vobj.Proxy = self
         vobj.LineColor = WALLS
-        vobj.LineWidth = 2
+        vobj.LineWidth = 1
         vobj.PointSize = 1
 
     def attach(self, vobj: Any) -> None:
         """Called when the object is shown for the first time, and again when it is opened."""
         self.object = vobj.Object
-        self.lines = Lines()
+        self.lines = Lines(width=1.0)
         vobj.RootNode.insertChild(self._switch(vobj), 0)
         self._show_lines()
 
