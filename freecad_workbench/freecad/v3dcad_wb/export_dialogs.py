@@ -25,9 +25,7 @@ FORM_OF = {".step": "step_as", ".3mf": "threemf_as", ".stl": "stl_as"}
 
 def declared(name: str) -> dict[str, Any]:
     """One setting of export, as v3dcad declares it."""
-    return next(
-        one for one in worker.settings if one["group"] == "export" and one["name"] == name
-    )
+    return next(one for one in worker.settings if one["group"] == "export" and one["name"] == name)
 
 
 def _buttons(dialog: Any, layout: Any) -> None:

@@ -13,17 +13,22 @@ import numpy as np
 from pivy import coin
 
 from .backend import Answer, Job, WorkerError, worker
+from .features import is_there
 from .lines import Lines, labels_node, rgb
 from .qt import tr
 
 
 class Preview:
-    """What a panel shows in the view of a document, until it is closed."""
+    """What a panel shows in the view in place of a fill, until the panel is closed."""
 
-    def __init__(self, document: Any) -> None:
+    def __init__(self, fill: Any, form: Any) -> None:
         self.root = coin.SoSeparator()
         self.graph: Any = None
-        view = Gui.getDocument(document.Name).ActiveView
+        self.fill = fill
+        self.was_visible = fill.ViewObject.Visibility
+        fill.ViewObject.Visibility = False
+        form.destroyed.connect(lambda *_: self.close())
+        view = Gui.getDocument(fill.Document.Name).ActiveView
         if view is not None and hasattr(view, "getSceneGraph"):
             self.graph = view.getSceneGraph()
             self.graph.addChild(self.root)
@@ -41,7 +46,11 @@ class Preview:
             if self.graph is not None:
                 shown(answer)
 
-        worker.ask(Job({"do": "layer", **request}, take, refused, tr("Preview"), kind="preview"))
+        def say(error: WorkerError) -> None:
+            if self.graph is not None:
+                refused(error)
+
+        worker.ask(Job({"do": "layer", **request}, take, say, tr("Preview"), kind="preview"))
 
     def show(self, answer: Answer) -> None:
         """Show the parts of an answer; its files are removed."""
@@ -57,8 +66,11 @@ class Preview:
         self.root.addChild(labels_node(answer["labels"]))
 
     def close(self) -> None:
-        """Take everything out of the view."""
+        """Take everything out of the view and show the fill again; a second time does nothing."""
+        if self.graph is None:
+            return
         self.root.removeAllChildren()
-        if self.graph is not None:
-            self.graph.removeChild(self.root)
-            self.graph = None
+        self.graph.removeChild(self.root)
+        self.graph = None
+        if is_there(self.fill):
+            self.fill.ViewObject.Visibility = self.was_visible

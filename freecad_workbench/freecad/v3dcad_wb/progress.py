@@ -37,7 +37,7 @@ class Progress(QtWidgets.QWidget):
         shown = job is not None and job.kind not in QUIET
         if shown and job is not None:
             stage, done, whole = job.progress
-            self.title.setText(f"{job.title} {stage}".strip())
+            self.title.setText(f"{job.title}: {stage}" if stage else job.title)
             self.bar.setRange(0, whole)
             self.bar.setValue(done)
         self.setVisible(shown)

@@ -23,7 +23,11 @@ Declared = dict[str, Any]
 RESULTS = (
     ("String", "Status", "Whether the result belongs to the settings; if not, why."),
     ("Integer", "Layers", "Number of layers."),
-    ("Integer", "Edges", "Number of edges of the shape, or of lines where they are too many for a shape."),
+    (
+        "Integer",
+        "Edges",
+        "Number of edges of the shape, or of lines where they are too many for a shape.",
+    ),
     ("Integer", "Cells", "Number of cells."),
     ("Length", "CellSizeMade", "Size of the cells as made."),
     ("Angle", "SteepestWall", "Tilt of the steepest wall from the vertical."),

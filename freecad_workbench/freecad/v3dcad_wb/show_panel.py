@@ -48,9 +48,7 @@ class ShowPanel:
         layout.addRow(tr("Neighbour"), self.neighbour)
         layout.addRow(self.said)
         layout.addRow(self.legend)
-        self.preview = Preview(obj.Document)
-        self.was_visible = obj.ViewObject.Visibility
-        obj.ViewObject.Visibility = False
+        self.preview = Preview(obj, self.form)
         for box in (self.target, self.cell, self.neighbour):
             box.currentIndexChanged.connect(lambda _: self.ask())
         self.slider.valueChanged.connect(lambda _: self.ask())
@@ -71,8 +69,10 @@ class ShowPanel:
         self.neighbour.setEnabled(target == "neighbour")
         request = {**self.request, "layer": self.slider.value(), "target": target}
         for name, box in (("cell", self.cell), ("neighbour", self.neighbour)):
-            if box.isEnabled() and box.currentText():
+            if box.isEnabled() and box.count():
                 request[name] = int(box.currentText())
+            elif box.isEnabled():  # the layer first, which says what cells there are
+                request["target"] = "layer"
         self.preview.ask(request, self._shown, self._refused)
 
     def _shown(self, answer: Answer) -> None:
@@ -80,8 +80,11 @@ class ShowPanel:
         self.slider.setMaximum(answer["layers"] - 1)
         self.slider.blockSignals(False)
         self.layer_label.setText(f"{self.slider.value() + 1} / {answer['layers']}")
+        first = not self.cell.count()
         for box in (self.cell, self.neighbour):
             _offer(box, [str(cell) for cell in answer["cells"]])
+        if first and self.cell.isEnabled():
+            self.ask()
         self.said.setText(answer["title"])
         self.legend.setText(legend_text(answer))
 
@@ -95,7 +98,6 @@ class ShowPanel:
     def reject(self) -> bool:
         """Close; the fill is shown again."""
         self.preview.close()
-        self.obj.ViewObject.Visibility = self.was_visible
         Gui.Control.closeDialog()
         return True
 
@@ -116,6 +118,5 @@ def _offer(box: Any, texts: list[str]) -> None:
     box.blockSignals(True)
     box.clear()
     box.addItems(texts)
-    if chosen in texts:
-        box.setCurrentIndex(texts.index(chosen))
+    box.setCurrentIndex(texts.index(chosen) if chosen in texts else len(texts) // 2)
     box.blockSignals(False)

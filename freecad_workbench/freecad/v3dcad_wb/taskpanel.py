@@ -47,9 +47,7 @@ class FillPanel:
         self.said.setWordWrap(True)
         layout.addWidget(self.said)
         layout.addStretch(1)
-        self.preview = Preview(obj.Document)
-        self.was_visible = obj.ViewObject.Visibility
-        obj.ViewObject.Visibility = False
+        self.preview = Preview(obj, self.form)
         self.layers = max(obj.Layers, 1)
         self.slider.valueChanged.connect(lambda _: self.ask())
         worker.hello(self._begin, self._refused)
@@ -120,8 +118,6 @@ class FillPanel:
     def reject(self) -> bool:
         """Close; the preview goes."""
         self.preview.close()
-        if is_there(self.obj):
-            self.obj.ViewObject.Visibility = self.was_visible
         if Gui.ActiveDocument is not None and Gui.ActiveDocument.getInEdit():
             Gui.ActiveDocument.resetEdit()
         Gui.Control.closeDialog()

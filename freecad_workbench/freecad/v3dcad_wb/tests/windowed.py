@@ -8,6 +8,7 @@ went well. V3DCAD_BREAK=1 makes one check wrong, to show that the run can fail.
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
@@ -95,10 +96,9 @@ def panel_widget(name: str, kind: Any = QtWidgets.QWidget) -> Any:
 
 
 def close_panel() -> None:
-    if Gui.ActiveDocument is not None and Gui.ActiveDocument.getInEdit():
-        Gui.ActiveDocument.resetEdit()
-    Gui.Control.closeDialog()
-    pump(0.2)
+    """Press Close, or Cancel where a fill is edited."""
+    if Gui.Control.activeDialog():
+        press_button("Cancel" if Gui.ActiveDocument.getInEdit() else "Close")
 
 
 def press_button(text: str) -> None:
@@ -141,6 +141,11 @@ def check_commands_are_there() -> None:
     ]
     assert bars, "no toolbar"
     assert bars[0].isVisible(), "the toolbar is hidden"
+    window.resizeDocks(
+        [one for one in window.findChildren(QtWidgets.QDockWidget) if one.isVisible()][:1],
+        [400],
+        QtCore.Qt.Horizontal,
+    )
     menus = [one.title().replace("&", "") for one in window.menuBar().findChildren(QtWidgets.QMenu)]
     assert "Voronoi 3D" in menus, menus
     until(lambda: bool(worker.settings))
@@ -343,6 +348,7 @@ def check_out_of_range_and_deleted_source() -> None:
 def check_show() -> None:
     document = App.getDocument("Fill")
     fill = fill_of(document)
+    close_panel()
     for target in ("layer", "cell", "neighbours", "tree", "cut"):
         select(fill)
         press(f"V3dcad_Show_{target}")
@@ -353,6 +359,7 @@ def check_show() -> None:
         Gui.SendMsgToActiveView("ViewFit")
         shot(f"show-{target}")
         close_panel()
+        assert fill.ViewObject.Visibility
         fit()
 
 
@@ -404,10 +411,11 @@ def check_export_and_import() -> None:
         exchange.export_fill(fill, str(path), {}, told.append, told.append)
         until(idle)
         assert path.is_file() and path.stat().st_size > 1000, (ending, told)
-    Gui.export([fill], str(folder / "b.ont"))
+    registered = importlib.import_module(App.getExportType("ont")[0])
+    registered.export([fill], str(folder / "b.ont"))
     until(idle)
     assert (folder / "a.ont").read_bytes() == (folder / "b.ont").read_bytes()
-    Gui.open(str(folder / "a.ont")) if hasattr(Gui, "open") else exchange.open(str(folder / "a.ont"))
+    importlib.import_module(App.getImportType("ont")[0]).open(str(folder / "a.ont"))
     until(idle)
     opened = fill_of(App.ActiveDocument)
     assert opened.Status == FRESH, opened.Status
