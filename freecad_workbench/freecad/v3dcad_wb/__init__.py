@@ -7,7 +7,7 @@ process (`backend.py`), and is never imported here. From a window inwards:
 
 - `init.py`, `init_gui.py`: what FreeCAD loads first: file types, toolbar, menu, preferences
 - `commands.py`, `forms.py`, `taskpanel.py`, `show_panel.py`, `print_panel.py`: what a user presses
-- `features.py`, `properties.py`, `restore.py`, `view_provider.py`, `lines.py`: the parametric object
+- `features.py`, `properties.py`, `restore.py`, `view_provider.py`, `lines.py`: the object
 - `source.py`, `backend.py`, `environment.py`, `printing.py`: the way to v3dcad and to printers
 """
 

@@ -14,6 +14,7 @@ import json
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,6 +28,9 @@ from .qt import QtCore, tr
 PREFIX = "v3dcad-freecad-"
 PATIENCE = 1500
 """Milliseconds between asking a process to end and ending it."""
+
+RESTART = 5.0
+"""Seconds that starting a process takes, about."""
 
 Answer = dict[str, Any]
 
@@ -50,8 +54,15 @@ class Job:
     kind: str = ""
     """of jobs of one kind that wait only the newest is kept"""
     progress: tuple[str, int, int] = ("", 0, 0)
+    begun: float = 0.0
     number: int = 0
     over: bool = False
+
+    def seconds_left(self) -> float:
+        """How much longer it will take, guessed from how far it is."""
+        _, done, whole = self.progress
+        took = time.monotonic() - self.begun
+        return took * (whole - done) / done if done else took
 
 
 @dataclass(eq=False)
@@ -121,6 +132,15 @@ class Worker:
             self._finish(job, error=WorkerError(tr("cancelled")))
             self._go_on()
 
+    def supersede(self, job: Job) -> None:
+        """Drop a job whose answer nobody wants any more.
+
+        One that soon ends is left to end, since another process has to be started first.
+        """
+        if job is not self.running or job.seconds_left() > RESTART:
+            job.failed = lambda _: None
+            self.cancel(job)
+
     def cancel_all(self) -> None:
         """Drop every job."""
         for job in list(self.waiting):
@@ -147,7 +167,7 @@ class Worker:
                 return self._go_on()
             self.running = self.waiting.pop(0)
             self._count += 1
-            job.number = self._count
+            job.number, job.begun = self._count, time.monotonic()
             assert self._process is not None
             line = json.dumps({"id": job.number, **job.request}) + "\n"
             self._process.write(line.encode())

@@ -108,7 +108,6 @@ def _insert_answer(document: Any, answer: Answer) -> None:
         fill.Label = answer["name"]
     finally:
         document.commitTransaction()
-    document.recompute()
     if App.GuiUp:
         import FreeCADGui as Gui
 
@@ -130,6 +129,7 @@ def _boundary(document: Any, answer: Answer) -> Any:
         shape.importBrep(str(path))
         source.Shape = shape
     source.Label = tr("{name} (part)").format(name=answer["name"])
+    source.purgeTouched()
     path.unlink(missing_ok=True)
     return source
 

@@ -99,7 +99,7 @@ class VoronoiFill:
         if self.job is not None and not self.job.over:
             if self.asked == made:
                 return None
-            worker.cancel(self.job)
+            worker.supersede(self.job)
         limit = PREFERENCES.GetInt("ShapeUpTo", SHAPE_UP_TO)
         self._say(obj, tr("stale: computing"))
         self.asked = made

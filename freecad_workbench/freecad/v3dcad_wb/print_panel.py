@@ -45,6 +45,8 @@ class PrintPanel:
         row.addWidget(choose)
         self.printer = QtWidgets.QComboBox()
         self.printer.setObjectName("printer")
+        self.printer.setEditable(True)
+        self.printer.setToolTip(tr("A printer or a port of the list; other ports can be typed."))
         again = QtWidgets.QPushButton(tr("Look again"))
         again.clicked.connect(lambda: self.find_printers())
         self.profile = QtWidgets.QLineEdit(PREFERENCES.GetString("Profile", ""))
@@ -83,6 +85,7 @@ class PrintPanel:
         layout.addStretch(1)
         self.what.currentIndexChanged.connect(lambda _: self._show())
         self.printer.currentIndexChanged.connect(lambda _: self._show())
+        self.printer.editTextChanged.connect(lambda _: self._show())
         self.timer = QtCore.QTimer(self.form)
         self.timer.timeout.connect(self.look)
         self.timer.start(EVERY)
@@ -114,6 +117,15 @@ class PrintPanel:
         except WorkerError as error:
             self.said.setText(str(error))
 
+    def chosen(self) -> tuple[str, str] | None:
+        """`print` and a port, or `send` and a printer's name; None while none is chosen."""
+        text = self.printer.currentText().strip()
+        index = self.printer.findText(text)
+        if index >= 0:
+            found: tuple[str, str] | None = self.printer.itemData(index)
+            return found
+        return ("print", text) if text else None
+
     def _choose(self) -> None:
         path, _ = QtWidgets.QFileDialog.getOpenFileName(
             main_window(), tr("The file to print"), "", "G-code (*.gcode *.gco *.g *.nc)"
@@ -128,7 +140,7 @@ class PrintPanel:
         self.file.setEnabled(not of_fill)
         for box in (self.nozzle, self.bed):
             box.setEnabled(of_fill)
-        chosen = self.printer.currentData()
+        chosen = self.chosen()
         self.begin.setEnabled(bool(chosen) and chosen[0] == "send")
         under_way = self.print is not None
         self.go.setEnabled(bool(chosen) and not under_way)
@@ -139,17 +151,19 @@ class PrintPanel:
         if phase in ("pausing", "paused"):
             self.wishes["pause"].setEnabled(False)
 
-    def press(self, *, confirmed: bool = False) -> None:
+    def press(self) -> None:
         """Ask once more, since heat and motion follow; then make the file and start."""
-        verb, name = self.printer.currentData()
+        chosen = self.chosen()
+        if chosen is None:
+            return
+        verb, name = chosen
         question = {
             "print": tr("Print on {printer} now? It heats and moves."),
             "send": tr("Send to {printer}?"),
         }[verb].format(printer=name)
-        if not confirmed:
-            box = QtWidgets.QMessageBox
-            if box.question(main_window(), "Voronoi 3D", question) != box.Yes:
-                return
+        box = QtWidgets.QMessageBox
+        if box.question(main_window(), "Voronoi 3D", question) != box.Yes:
+            return
         PREFERENCES.SetString("Profile", self.profile.text().strip())
         try:
             folder = printing.new_folder()
