@@ -62,11 +62,15 @@ class FreeCAD:
         if not window:
             return [command, *arguments]
         screen = ["xvfb-run", "-a", "-s", "-screen 0 1400x900x24 +extension GLX"]
-        return [*screen, command, *arguments]
+        # Xvfb's own files cannot lie in a folder whose name has a space.
+        temporary = ["env", f"TMPDIR={self.folder / 'temporary'}"]
+        return [*screen, *temporary, command, *arguments]
 
     def run(self, *arguments: str, window: bool = False, code: int = 0, **extra: str | None) -> str:
         """Run FreeCAD and give what it said; `extra` are more variables, None removes one."""
         variables = {**self.variables(), "QT_QPA_PLATFORM": "xcb" if window else "offscreen"}
+        if window:
+            del variables["TMPDIR"]
         done = subprocess.run(
             self.command(*arguments, window=window),
             env=merged(variables, extra),

@@ -111,7 +111,7 @@ def test_double_click_on_a_file(freecad: FreeCAD) -> None:
             "-m",
             "v3dcad",
             "fill",
-            sample(),
+            SAMPLE,
             "--ont",
             str(ont),
             "--layer-height",

@@ -86,7 +86,11 @@ class Worker:
         """Where files are exchanged; made when first asked for."""
         if self._folder is None:
             _sweep()
-            self._folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-"))
+            try:
+                self._folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-"))
+            except OSError as error:
+                message = tr("no temporary folder could be made ({why}); is the disk full?")
+                raise WorkerError(message.format(why=error)) from error
         return self._folder
 
     def ask(self, job: Job) -> None:
@@ -187,7 +191,11 @@ class Worker:
         process.readyReadStandardError.connect(self._listen)
         process.finished.connect(lambda *_: self._ended(process))
         self._rest, self._said = b"", ""
-        process.start(str(environment.python()), ["-m", "v3dcad.worker", str(self.folder)])
+        try:
+            folder = str(self.folder)
+        except WorkerError as error:
+            return str(error)
+        process.start(str(environment.python()), ["-m", "v3dcad.worker", folder])
         if not process.waitForStarted(10_000):
             return tr("v3dcad could not be started: {why}").format(why=process.errorString())
         self._process = process

@@ -75,7 +75,7 @@ class PrintPanel:
         layout.addWidget(self.said)
         wishes = QtWidgets.QHBoxLayout()
         self.wishes = {}
-        texts = (tr("Pause"), tr("Resume"), tr("Cancel"), tr("EMERGENCY STOP"))
+        texts = (tr("Pause"), tr("Resume"), tr("Cancel"), tr("STOP NOW"))
         for name, text in zip(WISHES, texts, strict=True):
             button = QtWidgets.QPushButton(text)
             button.clicked.connect(lambda _=False, do=name: self.wish(do))
@@ -108,14 +108,18 @@ class PrintPanel:
         """List named printers and ports; none is chosen for the user."""
         self.printer.clear()
         self.printer.addItem(tr("choose…"), None)
-        try:
-            for one in printing.ask("printer", "list"):
-                self.printer.addItem(f"{one['name']} ({one['kind']})", ("send", one["name"]))
-            for one in printing.ask("ports"):
-                text = f"{one['port']}  {one['name']}".strip()
-                self.printer.addItem(text, ("print", one["port"]))
-        except WorkerError as error:
-            self.said.setText(str(error))
+        self.asked = [
+            printing.ask(["printer", "list"], self._offer_printers, self._refused),
+            printing.ask(["ports"], self._offer_ports, self._refused),
+        ]
+
+    def _offer_printers(self, printers: list[dict[str, Any]]) -> None:
+        for one in printers:
+            self.printer.addItem(f"{one['name']} ({one['kind']})", ("send", one["name"]))
+
+    def _offer_ports(self, ports: list[dict[str, Any]]) -> None:
+        for one in ports:
+            self.printer.addItem(f"{one['port']}  {one['name']}".strip(), ("print", one["port"]))
 
     def chosen(self) -> tuple[str, str] | None:
         """`print` and a port, or `send` and a printer's name; None while none is chosen."""
@@ -239,6 +243,10 @@ class PrintPanel:
     def reject(self) -> bool:
         """Close the panel; the print goes on."""
         self.timer.stop()
+        for process in self.asked:
+            process.blockSignals(True)
+            process.kill()
+            process.waitForFinished(1000)
         with contextlib.suppress(RuntimeError):
             Gui.Control.closeDialog()
         return True

@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from typing import Any
 from . import environment
 from .backend import WorkerError, is_alive
 from .places import user_folder
-from .qt import tr
+from .qt import QtCore, tr
 
 HAS_PIPES = hasattr(os, "mkfifo")
 
@@ -93,6 +94,7 @@ class Print:
 
     def forget(self) -> None:
         """Remove the folder of a print that has ended."""
+        _started.pop(self.folder, None)
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
@@ -146,35 +148,42 @@ def start(folder: Path, arguments: list[str], file: str, to: str) -> Print:
             os.close(wishes)
     about = {"process": process.pid, "file": file, "to": to, "started": time.time()}
     (folder / "print.json").write_text(json.dumps(about), encoding="utf-8")
+    _started[folder] = process
     return Print(folder, process)
+
+
+_started: dict[Path, subprocess.Popen[bytes]] = {}
+"""The processes of this FreeCAD, by folder: their ends have to be fetched."""
 
 
 def running() -> list[Print]:
     """Prints that earlier FreeCADs, or this one, have started and that go on."""
     found = [
-        Print(folder) for folder in sorted(prints_folder().iterdir())
+        Print(folder, _started.get(folder)) for folder in sorted(prints_folder().iterdir())
         if (folder / "print.json").is_file()
     ]  # fmt: skip
     return [one for one in found if one.is_running()]
 
 
-def ask(*words: str) -> list[dict[str, Any]]:
-    """What `v3dcad WORDS --json` lists: printers or ports; `WorkerError` with its last words."""
-    if why := environment.missing():
-        raise WorkerError(why)
-    try:
-        done = subprocess.run(
-            [str(environment.python()), "-m", "v3dcad", *words, "--json"],
-            env=environment.child_environment(),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=30,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise WorkerError(str(error)) from error
-    if done.returncode:
-        raise WorkerError(done.stderr.strip()[-300:])
-    listed: list[dict[str, Any]] = json.loads(done.stdout)
-    return listed
+def ask(
+    words: list[str],
+    done: Callable[[list[dict[str, Any]]], None],
+    failed: Callable[[WorkerError], None],
+) -> Any:
+    """Have `done` called with what `v3dcad WORDS --json` lists; keep what is returned."""
+    process = QtCore.QProcess()
+    variables = QtCore.QProcessEnvironment()
+    for name, value in environment.child_environment().items():
+        variables.insert(name, value)
+    process.setProcessEnvironment(variables)
+
+    def ended(*_: object) -> None:
+        if process.exitCode():
+            words = bytes(process.readAllStandardError()).decode(errors="replace").strip()
+            failed(WorkerError(words[-300:]))
+        else:
+            done(json.loads(bytes(process.readAllStandardOutput())))
+
+    process.finished.connect(ended)
+    process.start(str(environment.python()), ["-m", "v3dcad", *words, "--json"])
+    return process

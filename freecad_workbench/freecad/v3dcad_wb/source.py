@@ -62,15 +62,19 @@ def write_source(source: Any, target: Any, folder: Path) -> str:
     placement = frame.multiply(source.getGlobalPlacement())
     mesh = getattr(source, "Mesh", None)
     beside = folder / ("writing.stl" if mesh is not None else "writing.brep")
-    if mesh is not None:
-        copy = mesh.copy()
-        copy.Placement = placement
-        copy.write(str(beside), "STL")
-    else:
-        shape = Part.getShape(source).copy()
-        shape.Placement = placement
-        shape.exportBrep(str(beside))
-    digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:20]
-    path = folder / f"source-{digest}{beside.suffix}"
-    beside.replace(path)
+    try:
+        if mesh is not None:
+            copy = mesh.copy()
+            copy.Placement = placement
+            copy.write(str(beside), "STL")
+        else:
+            shape = Part.getShape(source).copy()
+            shape.Placement = placement
+            shape.exportBrep(str(beside))
+        digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:20]
+        path = folder / f"source-{digest}{beside.suffix}"
+        beside.replace(path)
+    except (OSError, RuntimeError, Part.OCCError) as error:
+        message = tr("the source could not be written ({why}); is the disk full?")
+        raise WorkerError(message.format(why=error)) from error
     return str(path)

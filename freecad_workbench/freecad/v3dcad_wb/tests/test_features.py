@@ -235,9 +235,22 @@ class Features(unittest.TestCase):
     def test_nowhere_to_write(self) -> None:
         fill = self.fill()
         told: list[Any] = []
-        exchange.export_fill(fill, "/not/there/a.ont", {}, self.fail, told.append)
+        (self.folder / "file").touch()
+        nowhere = str(self.folder / "file" / "a.ont")
+        exchange.export_fill(fill, nowhere, {}, self.fail, told.append)
         self.assertEqual(len(told), 1)
-        self.assertNotIn("Traceback", str(told[0]))
+        self.assertIn(str(self.folder / "file"), str(told[0]))
+
+    def test_a_full_disk_is_told(self) -> None:
+        fill = self.fill()
+        before, worker._folder = worker._folder, self.folder / "gone"
+        try:
+            fill.CellSize = 6
+            self.doc.recompute()
+        finally:
+            worker._folder = before
+        self.assertIn("failed: the source could not be written", fill.Status)
+        self.doc.recompute()
 
     def test_only_the_newest_preview_is_kept(self) -> None:
         _, request = request_of(self.fill())

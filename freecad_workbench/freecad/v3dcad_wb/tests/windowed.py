@@ -461,7 +461,7 @@ def check_many_lines() -> None:
 def check_print_panel() -> None:
     new_document("Print")
     press("V3dcad_Print")
-    pump(0.5)
+    pump(2.5)
     shot("print")
     assert not panel_widget("go", QtWidgets.QPushButton).isEnabled(), "no printer is chosen for you"
     close_panel()
@@ -519,6 +519,7 @@ def check_print_pause_and_cancel() -> None:
     until(lambda: "printing" in said.text(), 60)
     press_button("Close")
     press("V3dcad_Print")
+    pump(0.5)
     said = panel_widget("said", QtWidgets.QLabel)
     until(lambda: "layer" in said.text(), 60)
     press_button("Cancel")
