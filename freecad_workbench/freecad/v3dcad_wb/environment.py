@@ -145,6 +145,7 @@ def in_words(output: str, *, killed: bool) -> str:
             "ProxyError",
             "Connection refused",
             "getaddrinfo failed",
+            "(from versions: none)",
         ): tr("The package index cannot be reached. Is there a network? Then choose Repair."),
         ("Permission denied", "Errno 13"): tr("The folder may not be written to: {folder}").format(
             folder=folder()
@@ -156,4 +157,5 @@ def in_words(output: str, *, killed: bool) -> str:
     if killed:
         return tr("The set-up was ended from outside; perhaps memory ran out. Choose Repair.")
     lines = [line for line in output.splitlines() if line.strip()]
+    lines = [line for line in lines if line.startswith("ERROR")] or lines
     return lines[-1].strip() if lines else tr("The command ended without a word.")

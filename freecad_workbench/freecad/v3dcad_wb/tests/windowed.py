@@ -546,6 +546,84 @@ def check_setup_dialog() -> None:
     press("V3dcad_Setup")
 
 
+def check_setup_failures() -> None:
+    """Each cause is told in words; what was begun is removed or can be repaired."""
+    from freecad.v3dcad_wb import environment
+    from freecad.v3dcad_wb.setup_dialog import SetupDialog
+
+    dialog = SetupDialog(Gui.getMainWindow())
+    dialog.show()
+    nowhere = {"PIP_INDEX_URL": "http://127.0.0.1:9/", "PIP_RETRIES": "0"}
+    nowhere |= {"PIP_CONFIG_FILE": os.devnull, "PIP_EXTRA_INDEX_URL": "", "PIP_FIND_LINKS": ""}
+    before = {name: os.environ.get(name) for name in nowhere}
+    named, bases = os.environ.pop("V3DCAD_PYTHON"), environment.base_pythons
+    fake = Path(os.environ["V3DCAD_OUT"]) / "fake-python"
+    fake.write_text("#!/bin/sh\necho No module named ensurepip >&2\nexit 1\n")
+    fake.chmod(0o755)
+    try:
+        environment.base_pythons = lambda: [str(fake)]
+        dialog.set_up()
+        until(lambda: dialog.process is None)
+        assert "python3-venv" in dialog.said.text(), dialog.said.text()
+        environment.base_pythons = bases
+        dialog.set_up()
+        until(lambda: dialog.step.arguments[0] != "-c")
+        dialog.buttons["cancel"].click()
+        assert dialog.said.text() == "cancelled"
+        assert not environment.folder().exists()
+        os.environ.update(nowhere)
+        dialog.set_up()
+        until(lambda: dialog.process is None)
+        assert "cannot be reached" in dialog.said.text(), dialog.log.toPlainText()[-2000:]
+        shot("setup-failed")
+        dialog.set_up()
+        until(lambda: "install" in dialog.step.arguments)
+        dialog.process.kill()
+        until(lambda: dialog.process is None)
+        assert "ended from outside" in dialog.said.text(), dialog.said.text()
+        dialog.use("/usr/bin/env")
+        assert "has no v3dcad" in dialog.said.text(), dialog.said.text()
+        dialog.use(named)
+        assert "runs v3dcad" in dialog.said.text(), dialog.said.text()
+        until(idle)
+        dialog.reset()
+        assert "not set up" in dialog.said.text()
+    finally:
+        environment.base_pythons = bases
+        os.environ["V3DCAD_PYTHON"] = named
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value
+    dialog.reject()
+
+
+def check_setup_for_real() -> None:
+    """Loads all of v3dcad from the index: only where V3DCAD_SETUP asks for it."""
+    if "V3DCAD_SETUP" not in os.environ:
+        return
+    from freecad.v3dcad_wb import environment
+    from freecad.v3dcad_wb.setup_dialog import SetupDialog
+
+    os.environ.pop("V3DCAD_PYTHON")
+    worker.close()
+    dialog = SetupDialog(Gui.getMainWindow())
+    dialog.show()
+    dialog.set_up()
+    pump(3)
+    shot("setup-running")
+    say("set-up s", round(until(lambda: dialog.process is None, 900)), dialog.said.text())
+    assert environment.missing() is None, dialog.log.toPlainText()[-3000:]
+    until(idle)
+    document = new_document("Own")
+    part = cone(document)
+    select(part)
+    press("V3dcad_Fill")
+    until(idle)
+    assert fill_of(document).Status == FRESH, fill_of(document).Status
+    close_panel()
+
+
 def check_no_environment() -> None:
     named = os.environ.pop("V3DCAD_PYTHON")
     worker.close()
@@ -595,7 +673,7 @@ CHECKS = [
     check_fill_by_command, check_live_preview, check_changed_source_and_undo, check_cancel,
     check_crash, check_two_fills_and_closing, check_out_of_range_and_deleted_source, check_show,
     check_brep, check_export_and_import, check_many_lines, check_print_panel, check_setup_dialog,
-    check_no_environment, check_print_pause_and_cancel, check_report_view, check_print_and_leave,
+    check_setup_failures, check_setup_for_real, check_no_environment, check_print_pause_and_cancel, check_report_view, check_print_and_leave,
 ]  # fmt: skip
 
 
