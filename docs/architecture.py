@@ -89,13 +89,14 @@ class Room:
 
 
 ROOMS = (
-    Room("cli.py, commands/", ("commands", "cli", "options", "warm_up"), 0, 20, 3, 56),
-    Room("adapters/", ("adapters",), 3, 20, 3, 56),
+    Room("cli.py, commands/", ("commands", "cli", "options"), 0, 20, 2, 56),
+    Room("worker/", ("worker",), 2, 20, 2, 56),
+    Room("adapters/", ("adapters",), 4, 20, 2, 56),
     Room(
         "pipeline.py",
         (
-            "pipeline", "forms", "ont", "parts", "recipes", "report", "slicing", "files",
-            "version", "__init__",
+            "pipeline", "exports", "forms", "ont", "parts", "recipes", "report", "slicing", "files",
+            "version", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),

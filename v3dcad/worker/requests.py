@@ -132,6 +132,7 @@ class Work:
             wanted["skin"] = sizes.skin
         path = self._files.new(".brep")
         structure = self._watched(self._whole(), f"making {form}")
+        self._stage(f"making {form}", 0, 0)  # only wires go through the layers
         shape = structure.write_brep(path, form, **wanted)
         return {"shape": str(path), "edges": count(shape, EDGE), "solids": count(shape, SOLID)}
 
