@@ -10,5 +10,3 @@ process (`backend.py`), and is never imported here. From a window inwards:
 - `features.py`, `properties.py`, `restore.py`, `view_provider.py`, `lines.py`: the object
 - `source.py`, `backend.py`, `environment.py`, `printing.py`: the way to v3dcad and to printers
 """
-
-VERSION = "0.1.0"

@@ -233,22 +233,25 @@ COMMANDS: dict[str, Command | Group] = {
     "V3dcad_Edit": Command(
         "Edit", "Change the selected fill, with a preview of one layer", "edit", needs_fill, _edit
     ),
-    **{
-        f"V3dcad_Show_{target}": Command(
-            f"Show {target}",
-            {
-                "layer": "Show one layer of the fill",
-                "cell": "Show one cell of a layer",
-                "neighbours": "Show a cell and its neighbours",
-                "tree": "Show the spanning tree of a layer",
-                "cut": "Show the fill cut upright",
-            }[target],
-            f"show-{target}",
-            needs_result,
-            _show(target),
-        )
-        for target in SHOWN
-    },
+    "V3dcad_Show_layer": Command(
+        "Show layer", "Show one layer of the fill", "show-layer", needs_result, _show("layer")
+    ),
+    "V3dcad_Show_cell": Command(
+        "Show cell", "Show one cell of a layer", "show-cell", needs_result, _show("cell")
+    ),
+    "V3dcad_Show_neighbours": Command(
+        "Show neighbours",
+        "Show a cell and its neighbours",
+        "show-neighbours",
+        needs_result,
+        _show("neighbours"),
+    ),
+    "V3dcad_Show_tree": Command(
+        "Show tree", "Show the spanning tree of a layer", "show-tree", needs_result, _show("tree")
+    ),
+    "V3dcad_Show_cut": Command(
+        "Show cut", "Show the fill cut upright", "show-cut", needs_result, _show("cut")
+    ),
     "V3dcad_Show": Group("Show a layer", [f"V3dcad_Show_{target}" for target in SHOWN]),
     "V3dcad_Brep": Command(
         "Create B-rep",

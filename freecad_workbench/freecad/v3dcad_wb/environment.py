@@ -22,10 +22,7 @@ LOAD = 0.5
 ON_DISK = 1.2
 """GB to load and on disk."""
 OLDEST, NEWEST = (3, 11), (3, 14)
-CHECK = (
-    "import sys, json, importlib.util as u; import v3dcad; "
-    "print(json.dumps([v3dcad.__version__, sys.version.split()[0]]))"
-)
+CHECK = "import v3dcad.worker"
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,9 @@ from freecad.v3dcad_wb.places import ICONS, TRANSLATIONS, icon
 from freecad.v3dcad_wb.preferences import PreferencePage
 from freecad.v3dcad_wb.qt import tr
 
+Gui.addLanguagePath(str(TRANSLATIONS))
+Gui.updateLocale()
+
 
 class VoronoiWorkbench(Gui.Workbench):
     """Voronoi 3D."""
@@ -34,8 +37,6 @@ class VoronoiWorkbench(Gui.Workbench):
         return "Gui::PythonWorkbench"
 
 
-Gui.addLanguagePath(str(TRANSLATIONS))
-Gui.updateLocale()
 Gui.addIconPath(str(ICONS))
 Gui.addPreferencePage(PreferencePage, "Voronoi 3D")
 Gui.addWorkbench(VoronoiWorkbench())

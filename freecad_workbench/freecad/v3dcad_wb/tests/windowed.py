@@ -652,6 +652,22 @@ def check_no_environment() -> None:
     App.closeDocument(document.Name)
 
 
+def check_turkish() -> None:
+    Gui.setLocale("Turkish")
+    document = new_document("Turkish")
+    part = cone(document)
+    select(part)
+    press("V3dcad_Fill")
+    until(idle)
+    shot("turkish")
+    assert fill_of(document).Label == "Cone içinde köpük"
+    if Gui.Control.activeDialog():
+        Gui.Control.closeDialog()
+        Gui.ActiveDocument.resetEdit()
+    App.closeDocument(document.Name)
+    Gui.setLocale("English")
+
+
 def check_report_view() -> None:
     views = [
         one for one in Gui.getMainWindow().findChildren(QtWidgets.QTextEdit)
@@ -669,12 +685,30 @@ def check_broken_on_purpose() -> None:
 
 
 CHECKS = [
-    check_commands_are_there, check_broken_on_purpose, check_wrong_selections,
-    check_fill_by_command, check_live_preview, check_changed_source_and_undo, check_cancel,
-    check_crash, check_two_fills_and_closing, check_out_of_range_and_deleted_source, check_show,
-    check_brep, check_export_and_import, check_many_lines, check_print_panel, check_setup_dialog,
-    check_setup_failures, check_setup_for_real, check_no_environment, check_print_pause_and_cancel, check_report_view, check_print_and_leave,
-]  # fmt: skip
+    check_commands_are_there,
+    check_broken_on_purpose,
+    check_wrong_selections,
+    check_fill_by_command,
+    check_live_preview,
+    check_changed_source_and_undo,
+    check_cancel,
+    check_crash,
+    check_two_fills_and_closing,
+    check_out_of_range_and_deleted_source,
+    check_show,
+    check_brep,
+    check_export_and_import,
+    check_many_lines,
+    check_print_panel,
+    check_setup_dialog,
+    check_setup_failures,
+    check_setup_for_real,
+    check_no_environment,
+    check_print_pause_and_cancel,
+    check_turkish,
+    check_report_view,
+    check_print_and_leave,
+]
 
 
 def run() -> None:
