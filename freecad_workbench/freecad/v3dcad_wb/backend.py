@@ -23,6 +23,7 @@ from typing import Any
 import FreeCAD as App
 
 from . import environment
+from .properties import label_of
 from .qt import QtCore, tr
 
 PREFIX = "v3dcad-freecad-"
@@ -37,10 +38,6 @@ Answer = dict[str, Any]
 
 class WorkerError(Exception):
     """What a user is told: one line in words."""
-
-    def __init__(self, message: str, setting: str | None = None) -> None:
-        super().__init__(message)
-        self.setting = setting
 
 
 @dataclass(eq=False)
@@ -218,7 +215,7 @@ class Worker:
             return self._tell()
         self.running = None
         if "error" in answer:
-            self._finish(job, error=WorkerError(answer["error"], answer.get("setting")))
+            self._finish(job, error=_error_of(answer))
         else:
             self._finish(job, answer["result"])
         return self._go_on()
@@ -274,6 +271,14 @@ class Worker:
     def _tell(self) -> None:
         for watcher in list(self.watchers):
             watcher()
+
+
+def _error_of(answer: Answer) -> WorkerError:
+    """An answer's error; it names a setting as the panel does, not as the command line."""
+    message, setting = answer["error"], answer.get("setting")
+    if setting:
+        message = message.replace("--" + setting.replace("_", "-"), label_of(setting))
+    return WorkerError(message)
 
 
 _ending: list[QtCore.QProcess] = []

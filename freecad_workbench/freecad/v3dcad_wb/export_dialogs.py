@@ -9,8 +9,9 @@ from typing import Any
 
 from .backend import worker
 from .exchange import ENDINGS
-from .forms import Field, SettingsForm, label_of
+from .forms import Field, SettingsForm
 from .places import PREFERENCES
+from .properties import label_of
 from .qt import QtCore, QtWidgets, run_dialog, tr
 
 SIZES = {

@@ -9,7 +9,7 @@ from typing import Any
 
 import FreeCADGui as Gui
 
-from .properties import GIVEN, Declared, help_of, limits_of
+from .properties import GIVEN, Declared, help_of, label_of, limits_of
 from .qt import QtWidgets, tr
 
 LONG_TEXT = 60
@@ -178,11 +178,6 @@ class SettingsForm(QtWidgets.QWidget):
                 self.fields[name].set(value)
         self._show_method()
         self._changed = told
-
-
-def label_of(setting: str) -> str:
-    """`cell_size` → "Cell size", in the user's language where it is translated."""
-    return tr(setting.replace("_", " ").capitalize())
 
 
 def main_window() -> Any:

@@ -131,6 +131,11 @@ def help_of(declared: Declared) -> str:
     return tr(declared["help"]) + unit
 
 
+def label_of(setting: str) -> str:
+    """`cell_size` → "Cell size", in the user's language where it is translated."""
+    return tr(setting.replace("_", " ").capitalize())
+
+
 def limits_of(declared: Declared) -> tuple[float, float]:
     """The least and the largest value that a field may take; v3dcad itself checks exactly."""
     least = max(

@@ -80,8 +80,11 @@ class FillPanel:
         self.layers = answer["layers"]
         if self.slider.maximum() != self.layers - 1:
             self.slider.blockSignals(True)
+            first = self.slider.maximum() == 0
             self.slider.setMaximum(self.layers - 1)
             self.slider.blockSignals(False)
+            if first:
+                self.slider.setValue(self.layers // 2)
         self.layer_label.setText(f"{self.slider.value() + 1} / {self.layers}")
         self.said.setText(answer["title"])
 

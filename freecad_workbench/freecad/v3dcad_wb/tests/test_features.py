@@ -140,7 +140,7 @@ class Features(unittest.TestCase):
         edges = fill.Edges
         fill.MaxOverhang = 3
         self.doc.recompute()
-        self.assertIn("failed: --max-overhang", fill.Status)
+        self.assertIn("failed: Max overhang", fill.Status)
         self.assertEqual(fill.Edges, edges)
         self.assertTrue(fill.isValid())
         fill.MaxOverhang = 45

@@ -329,7 +329,7 @@ def check_out_of_range_and_deleted_source() -> None:
     fill.MaxOverhang = 5
     document.recompute()
     until(idle)
-    assert "failed: --max-overhang" in fill.Status, fill.Status
+    assert "failed: Max overhang" in fill.Status, fill.Status
     assert fill.Edges == edges
     fill.MaxOverhang = 45
     document.recompute()
