@@ -235,11 +235,14 @@ def many_lines() -> None:
 
     App.newDocument("Lines")
     count = 500_000
-    points = np.random.default_rng(0).random((2 * count, 3), np.float32) * 40
+    random = np.random.default_rng(0)
+    starts = 40 * random.random((count, 3))
+    ends = starts + random.normal(size=(count, 3)) * [1.5, 1.5, 0]
+    points = np.stack([starts, ends], axis=1).reshape(-1, 3).astype(np.float32)
     pairs = np.arange(2 * count, dtype=np.int32).reshape(-1, 2)
     view = Gui.ActiveDocument.ActiveView
     before, begun = memory(), time.perf_counter()
-    lines = Lines()
+    lines = Lines(width=1.0)
     lines.show(points, pairs)
     view.getSceneGraph().addChild(lines.node)
     view.viewIsometric()

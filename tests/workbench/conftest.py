@@ -79,7 +79,7 @@ class FreeCAD:
             stderr=subprocess.STDOUT,
             encoding="utf-8",
             errors="replace",
-            timeout=300,
+            timeout=600,
             check=False,
         )
         said = re.sub(r"(\s*Recompute\.+|\s*\(\d+ %\)|\t)+", "", done.stdout)

@@ -16,7 +16,7 @@ from .backend import WorkerError, worker
 from .features import is_fill
 from .forms import main_window
 from .places import icon
-from .qt import QtWidgets, run_dialog, tr
+from .qt import QAction, QtCore, QtWidgets, run_dialog, tr
 from .source import can_be_filled, why_not
 
 MANY_EDGES = 100_000
@@ -217,6 +217,7 @@ def _set_up() -> None:
     from .setup_dialog import SetupDialog
 
     run_dialog(SetupDialog(main_window()))
+    show_reason()
 
 
 SHOWN = ("layer", "cell", "neighbours", "tree", "cut")
@@ -296,11 +297,21 @@ def register() -> None:
         Gui.addCommand(name, command)
 
 
+def show_reason() -> None:
+    """Buttons that are greyed for want of an environment say so when pointed at."""
+    why = environment.missing()
+    for action in main_window().findChildren(QAction):
+        command = COMMANDS.get(action.objectName())
+        if isinstance(command, Command) and command.needs is not always:
+            action.setToolTip(why or tr(command.tip))
+
+
 def activated() -> None:
     """Start the worker if there is one, and say what is missing otherwise."""
     from .progress import install
 
     install(main_window())
+    QtCore.QTimer.singleShot(0, show_reason)
     if why := environment.missing():
         main_window().statusBar().showMessage(why, 10_000)
     else:

@@ -29,6 +29,10 @@ class Progress(QtWidgets.QWidget):
         self.button.clicked.connect(lambda: worker.cancel_all())
         for widget in (self.title, self.bar, self.button):
             row.addWidget(widget)
+        policy = self.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)  # otherwise the 3D view is laid out and drawn anew
+        self.setSizePolicy(policy)
+        self.title.setFixedWidth(260)
         self.setVisible(False)
 
     def update_job(self) -> None:

@@ -19,13 +19,14 @@ from typing import Any
 
 import FreeCAD as App
 import FreeCADGui as Gui
+from freecad.v3dcad_wb import commands
 from freecad.v3dcad_wb.backend import worker
 from freecad.v3dcad_wb.features import FRESH
 from freecad.v3dcad_wb.forms import Number
 from freecad.v3dcad_wb.qt import QAction, QtCore, QtWidgets
 
 SHOTS = Path(os.environ.get("V3DCAD_SHOTS", "."))
-LIMIT = 120.0
+LIMIT = 240.0
 
 
 def say(*words: Any) -> None:
@@ -636,7 +637,10 @@ def check_no_environment() -> None:
         one for one in Gui.getMainWindow().findChildren(QAction)
         if one.objectName().startswith("V3dcad_")
     ]  # fmt: skip
+    commands.show_reason()
     for action in actions:
+        if not action.isEnabled() and action.objectName() != "V3dcad_Show":
+            assert "not set up" in action.toolTip(), action.objectName()
         assert action.isEnabled() == (action.objectName() == "V3dcad_Setup"), action.objectName()
     from freecad.v3dcad_wb.features import make_voronoi_fill
 
