@@ -19,6 +19,8 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError, SettingError
+from v3dcad.geometry.mesh.bodies import overlap_findings
+from v3dcad.geometry.section_union import united
 from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.section import CHORD_TOLERANCE
@@ -36,6 +38,7 @@ from v3dcad.kernel.shapes import (
     subshapes,
     volume,
 )
+from v3dcad.kernel.union import one_body, overlaps, solids_meet
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
 MESH_SAG = 0.05
@@ -67,13 +70,15 @@ class SolidPart:
     """the very bytes that the solids were read from, where they were"""
     placement: Placement = UNMOVED
     """how it came to where it is from where its source lies"""
+    overlap: float = 0.0
+    """mm³, by how much the sum of the solids' volumes exceeds that of their union"""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
         return {
             "solids": f"{sum(1 for _ in subshapes(self.shape, SOLID))}",
             "faces": f"{sum(1 for _ in subshapes(self.shape, FACE))}",
-            "volume": f"{volume(self.shape):.6g} mm³",
+            "volume": f"{volume(self.shape) - self.overlap:.6g} mm³",
         }
 
     def normal(self, face: int) -> Floats:
@@ -103,16 +108,17 @@ class SolidPart:
         chord_tolerance: float = CHORD_TOLERANCE,
         executor: Executor | None = None,
     ) -> Sequence[Section]:
-        """Sections of the exact surfaces at ascending heights (mm)."""
-        return list(section_solids(prepared(self.shape), heights, chord_tolerance, executor))
+        """Sections of the exact surfaces at ascending heights (mm); solids that meet are one."""
+        found = section_solids(prepared(self.shape), heights, chord_tolerance, executor)
+        return united(list(found), chord_tolerance, solids_meet(self.shape))
 
     def exact(self, layer: Layer) -> Layer:
         """The layer with the ends of its walls moved onto the true surface."""
         return exact_ends(layer, prepared(self.shape))
 
     def mesh(self) -> Mesh:
-        """The surface as triangles, within `MESH_SAG` of it."""
-        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN)
+        """The surface as triangles, within `MESH_SAG` of it; solids that meet are one."""
+        return triangle_mesh(one_body(self.shape), MESH_SAG, MESH_TURN)
 
 
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
@@ -128,11 +134,12 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
     solid = _healed(compound(solids), findings)
     findings += _gap_findings(solid)
+    overlap = _overlap(solid, findings)
     try:
         box = true_bounds(solid)
     except KernelError as error:
         raise KernelError(f"{where}: {error}") from error
-    return SolidPart(name, solid, box, tuple(findings))
+    return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 
 def _instead(shape: TopoDS_Shape) -> str:
@@ -160,6 +167,17 @@ def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     else:
         findings.append("OCCT finds faults in the shape that it cannot heal: look at the sections")
     return mended
+
+
+def _overlap(solid: TopoDS_Shape, findings: list[str]) -> float:
+    """By how much, mm³, the sum of the solids' volumes exceeds that of their union."""
+    try:
+        pairs, excess = overlaps(solid)
+    except KernelError:
+        findings.append("OCCT cannot tell by how much solids overlap: the volume may be too large")
+        return 0.0
+    findings += overlap_findings("solids", pairs)
+    return excess
 
 
 def _gap_findings(solid: TopoDS_Shape) -> list[str]:

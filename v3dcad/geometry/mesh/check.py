@@ -9,6 +9,7 @@ from v3dcad.geometry.mesh.bodies import (
     bodies_of,
     body_bounds,
     containers,
+    overlap_findings,
     sides_of,
     signed_volumes,
     wound_alike,
@@ -148,9 +149,10 @@ def _united(mesh: Mesh, findings: list[str]) -> Mesh:
     apart = sum(piece.volume() for piece in pieces)
     if abs(union.volume() - apart) <= 1e-9 * apart:
         return mesh
-    findings.append(
-        f"united {len(solid)} overlapping bodies, which shared {apart - union.volume():.4g} mm³"
-    )
+    pairs = [
+        (i, j, (pieces[i] ^ pieces[j]).volume()) for i, j in np.argwhere(np.triu(close, 1)).tolist()
+    ]
+    findings += overlap_findings("bodies", [pair for pair in pairs if pair[2] > 1e-9 * apart])
     result = union.to_mesh64()
     return Mesh(
         np.array(result.vert_properties[:, :3], np.float64),
