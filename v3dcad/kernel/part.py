@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.GeomAbs import GeomAbs_Plane
 from OCP.ShapeFix import ShapeFix_Shape
@@ -26,11 +27,11 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.section import CHORD_TOLERANCE
 from v3dcad.geometry.surface.wall_ends import exact_ends
 from v3dcad.kernel.mesh import surface_mesh, triangle_mesh
+from v3dcad.kernel.orientation import sewn, upright
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import (
     EDGE,
     FACE,
-    SHELL,
     SOLID,
     bounds,
     compound,
@@ -124,14 +125,17 @@ class SolidPart:
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     """The solids of any shape as a part, healed where OCCT finds faults in them.
 
-    Findings say what was left out and what was healed. `KernelError`, naming `where`, if the
-    shape holds no solid, or one that is not closed.
+    Solids that are inside out are turned; faces that enclose something without being a solid are
+    sewn. Findings say what was left out, turned, sewn and healed. `KernelError`, naming `where`, if
+    the shape holds no solid, or one that is not closed.
     """
-    solids = list(subshapes(shape, SOLID))
-    if not solids:
-        raise KernelError(f"{where}: contains no solid, {_instead(shape)}; export a solid")
-    stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
-    findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
+    findings: list[str] = []
+    solids = [upright(solid, findings) for solid in subshapes(shape, SOLID)]
+    if solids:
+        stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
+        findings += [f"{stray} faces belong to no solid and were left out"] if stray else []
+    else:
+        solids = sewn(shape, where, findings)
     solid = _healed(compound(solids), findings)
     findings += _gap_findings(solid)
     overlap = _overlap(solid, findings)
@@ -142,22 +146,11 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 
-def _instead(shape: TopoDS_Shape) -> str:
-    """What a shape without solids consists of."""
-    faces = sum(1 for _ in subshapes(shape, FACE))
-    if not faces:
-        return "and no face"
-    shells = list(subshapes(shape, SHELL))
-    if shells and all(BRep_Tool.IsClosed_s(shell) for shell in shells):
-        return f"only {len(shells)} closed shells of {faces} faces that no solid refers to"
-    return f"only a sheet of {faces} faces that encloses nothing"
-
-
 def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     """The solids as they are where OCCT finds no fault, or else as ShapeFix mends them."""
     if BRepCheck_Analyzer(solid).IsValid():
         return solid
-    fix = ShapeFix_Shape(solid)
+    fix = ShapeFix_Shape(BRepBuilderAPI_Copy(solid).Shape())  # the caller's own stays as it is
     fix.Perform()
     mended = fix.Shape()
     if next(subshapes(mended, SOLID), None) is None:
