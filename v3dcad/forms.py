@@ -303,7 +303,7 @@ class Forms(Protocol):
         return self.facets(MARGIN + thickness / 2)
 
     def _solid(self) -> Any:
-        """The part's solids where the source lies."""
+        """The part's solids where the source lies, those that meet united."""
         shape = getattr(self.part, "shape", None)
         if shape is None:
             raise KernelError(
@@ -311,8 +311,9 @@ class Forms(Protocol):
                 "BREP, or write meshes (write_stl, write_3mf)"
             )
         from v3dcad.kernel.shapes import placed_back
+        from v3dcad.kernel.union import one_body
 
-        return placed_back(shape, self.placement)
+        return placed_back(one_body(shape), self.placement)
 
     def _at_source(self, mesh: Mesh) -> Mesh:
         return Mesh(self.placement.to_source(np.asarray(mesh.vertices)), mesh.triangles)
