@@ -261,3 +261,21 @@ def test_a_cell_alone_has_no_neighbours() -> None:
     assert len(by_role(preview("neighbours", layers, STILL, 0, cell), "neighbour")) == 0
     with pytest.raises(SettingError, match=f"the neighbours of cell {cell} on layer 0 are none"):
         preview("neighbour", layers, STILL, 0, cell, cell + 1)
+
+
+def test_many_cells_are_told_by_their_first() -> None:
+    layers = STRUCTURES["hole"]
+    with pytest.raises(SettingError, match=rf" {CELLS[11]} and {len(CELLS) - 12} more$"):
+        preview("cell", layers, STILL, 2, -1)
+    few = STRUCTURES["few in islands"]
+    cells = few[2].diagram.sites().tolist()
+    with pytest.raises(SettingError, match=f" are {', '.join(map(str, cells))}$"):
+        preview("cell", few, STILL, 2, -1)
+
+
+def test_a_cut_shows_where_the_part_begins_and_ends() -> None:
+    layers = STRUCTURES["hole"]
+    ends = [drawn(layer, ~layer.diagram.inner()) for layer in (layers[0], layers[-1])]
+    for some, expected in ((layers, np.concatenate(ends)), (layers[:1], ends[0])):
+        shown = preview("cut", some, STILL)
+        np.testing.assert_array_equal(in_order(by_role(shown, "context")), in_order(expected))
