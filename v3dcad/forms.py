@@ -232,9 +232,15 @@ class Forms(Protocol):
             write_beams(beside, points, struts, diameter / 2, self.part.name, mesh)
 
     def write_svg(self, path: str | Path, layer: int = 0) -> None:
-        """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates."""
+        """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates.
+
+        Raises `SettingError` for a layer that is not there.
+        """
         from v3dcad.formats.svg import layer_svg
 
+        count = len(self.layers)
+        if not -count <= layer < count:
+            raise SettingError("svg_layer", f"--svg-layer {layer}: the layers are 0 to {count - 1}")
         with written_beside(Path(path)) as beside:
             beside.write_text(layer_svg(self.layers[layer]), encoding="utf-8", newline="\n")
 
