@@ -232,9 +232,15 @@ class Forms(Protocol):
             write_beams(beside, points, struts, diameter / 2, self.part.name, mesh)
 
     def write_svg(self, path: str | Path, layer: int = 0) -> None:
-        """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates."""
+        """Draw one layer (negative: from the top) as SVG, 1 unit a millimetre, bed coordinates.
+
+        Raises `SettingError` for a layer that is not there.
+        """
         from v3dcad.formats.svg import layer_svg
 
+        count = len(self.layers)
+        if not -count <= layer < count:
+            raise SettingError("svg_layer", f"--svg-layer {layer}: the layers are 0 to {count - 1}")
         with written_beside(Path(path)) as beside:
             beside.write_text(layer_svg(self.layers[layer]), encoding="utf-8", newline="\n")
 
@@ -303,7 +309,7 @@ class Forms(Protocol):
         return self.facets(MARGIN + thickness / 2)
 
     def _solid(self) -> Any:
-        """The part's solids where the source lies."""
+        """The part's solids where the source lies, those that meet united."""
         shape = getattr(self.part, "shape", None)
         if shape is None:
             raise KernelError(
@@ -311,8 +317,9 @@ class Forms(Protocol):
                 "BREP, or write meshes (write_stl, write_3mf)"
             )
         from v3dcad.kernel.shapes import placed_back
+        from v3dcad.kernel.union import one_body
 
-        return placed_back(shape, self.placement)
+        return placed_back(one_body(shape), self.placement)
 
     def _at_source(self, mesh: Mesh) -> Mesh:
         return Mesh(self.placement.to_source(np.asarray(mesh.vertices)), mesh.triangles)

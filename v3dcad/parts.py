@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
 
@@ -30,6 +31,8 @@ class MeshPart:
     """what the user should know of how the file was read"""
     placement: Placement = HERE
     """how it came to where it is from where its source lies"""
+    overlap: float = 0.0
+    """mm³, by how much what the surface winds around, as often as it does, exceeds the part"""
 
     @property
     def bounds(self) -> Floats:
@@ -40,7 +43,7 @@ class MeshPart:
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
         corners = self.surface.vertices[self.surface.triangles] - self.bounds[0]
-        volume = float(np.linalg.det(corners).sum()) / 6
+        volume = float(np.linalg.det(corners).sum()) / 6 - self.overlap
         return {"triangles": f"{len(self.surface.triangles)}", "volume": f"{volume:.6g} mm³"}
 
     def normal(self, face: int) -> Floats:
@@ -72,10 +75,12 @@ class MeshPart:
         chord_tolerance: float = 0.0,
         executor: Executor | None = None,
     ) -> Sequence[Section]:
-        """Sections of the triangles at ascending heights (mm); their chords are exact."""
+        """Sections of the triangles at ascending heights (mm), exact; bodies that meet are one."""
         from v3dcad.geometry.mesh.section import section_mesh
+        from v3dcad.geometry.section_union import united
 
-        return section_mesh(self.surface, heights, executor)
+        found = section_mesh(self.surface, heights, executor)
+        return united(found, chord_tolerance, _bodies_meet(self.surface))
 
     def exact(self, layer: Layer) -> Layer:
         """The layer as it is: contours of triangles are exact."""
@@ -84,6 +89,18 @@ class MeshPart:
     def mesh(self) -> Mesh:
         """The triangles themselves."""
         return self.surface
+
+
+@lru_cache(maxsize=4)
+def _bodies_meet(surface: Mesh) -> bool:
+    """Whether the boxes of two of a mesh's bodies touch or overlap, cavities aside."""
+    from v3dcad.geometry.mesh.bodies import bodies_of, body_bounds, signed_volumes
+    from v3dcad.geometry.section_union import meeting
+
+    body = bodies_of(surface.triangles)
+    solid = signed_volumes(surface.vertices, surface.triangles, body) > 0
+    low, high = body_bounds(surface.vertices, surface.triangles, body)
+    return len(meeting(low[solid], high[solid])) > 0
 
 
 def part_from(source: Any, *, repair: bool = False, as_brep: bool = False) -> Part:
@@ -133,12 +150,19 @@ def _mesh_part(
 ) -> MeshPart:
     """A mesh as a part, once it is known to be closed; `GeometryError` where it is not."""
     from v3dcad.geometry.mesh.check import checked_mesh
+    from v3dcad.geometry.mesh_overlap import overlap_volume
 
     try:
         closed, mended = checked_mesh(mesh, repair=repair)
     except GeometryError as error:
         raise GeometryError(f"{where}: {error}") from error
-    return MeshPart(name, closed, (*read, *mended))
+    overlap = overlap_volume(closed)
+    if overlap:
+        mended.append(
+            f"the surface passes through itself: {overlap:.4g} mm³ that it encloses more than once "
+            "are filled once"
+        )
+    return MeshPart(name, closed, (*read, *mended), overlap=overlap)
 
 
 def _part_in(path: Path, repair: bool) -> Part:

@@ -70,7 +70,8 @@ def test_stray_faces_are_told_and_left_out() -> None:
     assert part.bounds == pytest.approx(np.array([[0, 0, 0], [1, 1, 1]]))
 
 
-def test_faults_are_healed_and_told() -> None:
+def inverted_face() -> TopoDS_Solid:
+    """A box, 1 × 2 × 3 mm, of which one face is inside out."""
     builder, shell, solid = BRep_Builder(), TopoDS_Shell(), TopoDS_Solid()
     builder.MakeShell(shell)
     box = shapes.box((0, 0, 0), (1, 2, 3))
@@ -79,23 +80,30 @@ def test_faults_are_healed_and_told() -> None:
     shell.Closed(True)
     builder.MakeSolid(solid)
     builder.Add(solid, shell)
-    part = solid_part(solid, "a", "a")
+    return solid
+
+
+def test_faults_are_healed_and_told() -> None:
+    part = solid_part(inverted_face(), "a", "a")
     assert part.findings == ("OCCT found faults in the shape and healed them",)
     (section,) = part.sections(np.array([1.0]))
     assert sum(map(ring_area, section.rings)) == pytest.approx(2)
-    assert solid_part(box, "a", "a").findings == ()
+    assert solid_part(shapes.box((0, 0, 0), (1, 2, 3)), "a", "a").findings == ()
 
 
 @pytest.mark.parametrize(
     ("shape", "says"),
     [
-        (next(subshapes(shapes.box((0, 0, 0), (1, 1, 1)), FACE)), "only a sheet of 1 faces"),
-        (compound([]), "and no face"),
-        (next(subshapes(open_solid(), FACE)), "only a sheet"),
+        (
+            next(subshapes(shapes.box((0, 0, 0), (1, 1, 1)), FACE)),
+            "only 1 faces that enclose nothing: 4 of",
+        ),
+        (compound([]), "contains no solid and no face"),
+        (next(subshapes(open_solid(), FACE)), "enclose nothing"),
     ],
 )
 def test_what_is_no_solid_is_named(shape, says: str) -> None:
-    with pytest.raises(v3dcad.KernelError, match=f"a file: contains no solid, .*{says}"):
+    with pytest.raises(v3dcad.KernelError, match=f"a file: .*{says}"):
         solid_part(shape, "a", "a file")
 
 
@@ -131,7 +139,10 @@ def test_what_cannot_be_read_of_a_file_is_told(word: bytes, samples: Path, tmp_p
 
 @pytest.mark.parametrize(
     ("word", "says"),
-    [(b"ADVANCED_FACE", "only a sheet of 14 faces"), (b"EDGE_CURVE", "the part is not closed")],
+    [
+        (b"ADVANCED_FACE", "only 14 faces that enclose nothing"),
+        (b"EDGE_CURVE", "the part is not closed"),
+    ],
 )
 def test_a_hole_in_a_solid_is_refused(
     word: bytes, says: str, samples: Path, tmp_path: Path

@@ -30,6 +30,10 @@ pytestmark = pytest.mark.slow
         (b"", "the request is not JSON"),
         (b"\xff\xfe\x00", "the request is not JSON"),
         (b"[" * 100_000, "the request is not JSON"),
+        (b'{"id": NaN}', "NaN is no finite number"),
+        (b'{"id": 1e999}', "1e999 is no finite number"),
+        (b'{"height": -Infinity}', "-Infinity is no finite number"),
+        (b'{"settings": {"cell_size": 1' + b"0" * 400 + b"}}", "00 is no finite number"),
         (b"[1, 2]", "the request is no object"),
         (b'{"id": 3}', "the request has no 'do'"),
         (b'{"id": 3, "do": 4}', "'do' of the request is 4, no str"),
@@ -45,7 +49,7 @@ def test_what_is_no_request_is_answered_in_words(worker: Worker, line: bytes, sa
     said = worker.send(line)
     assert says in said["error"]
     assert said["setting"] is None
-    assert said["id"] == (3 if b"id" in line else None)
+    assert said["id"] == (3 if b'"id": 3' in line else None)
 
 
 @pytest.mark.parametrize(
@@ -65,6 +69,7 @@ def test_what_is_no_request_is_answered_in_words(worker: Worker, line: bytes, sa
         ({}, {"do": "brep", "form": "foam"}, "form 'foam': give wires", "form"),
         ({}, {"do": "brep", "form": "solid", "thickness": 0}, "above 0 mm", "thickness"),
         ({}, {"do": "export", "to": "a.doc"}, "not a kind of file that is written", "to"),
+        ({}, {"do": "export", "to": "a.svg", "svg_layer": 150}, "are 0 to 149", "svg_layer"),
         ({}, {"do": "export", "to": "a.gcode", "print": {"fan": 900}}, "at most 100 %", "fan"),
         ({}, {"do": "export", "to": "/dev/null/a.ont"}, "cannot be written", None),
         ({}, {"source": "/nowhere.brep"}, "/nowhere.brep: cannot be read", None),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 from OCP.BinTools import BinTools, BinTools_FormatVersion
@@ -53,4 +54,4 @@ def part_in(brep: Brep, name: str) -> SolidPart:
     part = solid_part(shape, name, name)
     if not np.allclose(part.bounds, brep.bounds, rtol=0, atol=APART):
         raise KernelError(f"{name}: its B-rep does not lie within the bounds that the file states")
-    return SolidPart(name, part.shape, brep.bounds, part.findings, brep)
+    return replace(part, bounds=brep.bounds, stored=brep)

@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.GeomAbs import GeomAbs_Plane
 from OCP.ShapeFix import ShapeFix_Shape
@@ -19,16 +20,18 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from v3dcad.errors import KernelError, SettingError
+from v3dcad.geometry.mesh.bodies import overlap_findings
+from v3dcad.geometry.section_union import united
 from v3dcad.geometry.surface.gaps import MIN_GAP
 from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.section import CHORD_TOLERANCE
 from v3dcad.geometry.surface.wall_ends import exact_ends
 from v3dcad.kernel.mesh import surface_mesh, triangle_mesh
+from v3dcad.kernel.orientation import sewn, upright
 from v3dcad.kernel.section import section_solids
 from v3dcad.kernel.shapes import (
     EDGE,
     FACE,
-    SHELL,
     SOLID,
     bounds,
     compound,
@@ -36,6 +39,7 @@ from v3dcad.kernel.shapes import (
     subshapes,
     volume,
 )
+from v3dcad.kernel.union import one_body, overlaps, solids_meet
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
 
 MESH_SAG = 0.05
@@ -67,13 +71,15 @@ class SolidPart:
     """the very bytes that the solids were read from, where they were"""
     placement: Placement = UNMOVED
     """how it came to where it is from where its source lies"""
+    overlap: float = 0.0
+    """mm³, by how much the sum of the solids' volumes exceeds that of their union"""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
         return {
             "solids": f"{sum(1 for _ in subshapes(self.shape, SOLID))}",
             "faces": f"{sum(1 for _ in subshapes(self.shape, FACE))}",
-            "volume": f"{volume(self.shape):.6g} mm³",
+            "volume": f"{volume(self.shape) - self.overlap:.6g} mm³",
         }
 
     def normal(self, face: int) -> Floats:
@@ -111,54 +117,48 @@ class SolidPart:
         chord_tolerance: float = CHORD_TOLERANCE,
         executor: Executor | None = None,
     ) -> Sequence[Section]:
-        """Sections of the exact surfaces at ascending heights (mm)."""
-        return list(section_solids(prepared(self.shape), heights, chord_tolerance, executor))
+        """Sections of the exact surfaces at ascending heights (mm); solids that meet are one."""
+        found = section_solids(prepared(self.shape), heights, chord_tolerance, executor)
+        return united(list(found), chord_tolerance, solids_meet(self.shape))
 
     def exact(self, layer: Layer) -> Layer:
         """The layer with the ends of its walls moved onto the true surface."""
         return exact_ends(layer, prepared(self.shape))
 
     def mesh(self) -> Mesh:
-        """The surface as triangles, within `MESH_SAG` of it."""
-        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN)
+        """The surface as triangles, within `MESH_SAG` of it; solids that meet are one."""
+        return triangle_mesh(one_body(self.shape), MESH_SAG, MESH_TURN)
 
 
 def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     """The solids of any shape as a part, healed where OCCT finds faults in them.
 
-    Findings say what was left out and what was healed. `KernelError`, naming `where`, if the
-    shape holds no solid, or one that is not closed.
+    Solids that are inside out are turned; faces that enclose something without being a solid are
+    sewn. Findings say what was left out, turned, sewn and healed. `KernelError`, naming `where`, if
+    the shape holds no solid, or one that is not closed.
     """
-    solids = list(subshapes(shape, SOLID))
-    if not solids:
-        raise KernelError(f"{where}: contains no solid, {_instead(shape)}; export a solid")
-    stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
-    findings = [f"{stray} faces belong to no solid and were left out"] if stray else []
+    findings: list[str] = []
+    solids = [upright(solid, findings) for solid in subshapes(shape, SOLID)]
+    if solids:
+        stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
+        findings += [f"{stray} faces belong to no solid and were left out"] if stray else []
+    else:
+        solids = sewn(shape, where, findings)
     solid = _healed(compound(solids), findings)
     findings += _gap_findings(solid)
+    overlap = _overlap(solid, findings)
     try:
         box = true_bounds(solid)
     except KernelError as error:
         raise KernelError(f"{where}: {error}") from error
-    return SolidPart(name, solid, box, tuple(findings))
-
-
-def _instead(shape: TopoDS_Shape) -> str:
-    """What a shape without solids consists of."""
-    faces = sum(1 for _ in subshapes(shape, FACE))
-    if not faces:
-        return "and no face"
-    shells = list(subshapes(shape, SHELL))
-    if shells and all(BRep_Tool.IsClosed_s(shell) for shell in shells):
-        return f"only {len(shells)} closed shells of {faces} faces that no solid refers to"
-    return f"only a sheet of {faces} faces that encloses nothing"
+    return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 
 def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     """The solids as they are where OCCT finds no fault, or else as ShapeFix mends them."""
     if BRepCheck_Analyzer(solid).IsValid():
         return solid
-    fix = ShapeFix_Shape(solid)
+    fix = ShapeFix_Shape(BRepBuilderAPI_Copy(solid).Shape())  # the caller's own stays as it is
     fix.Perform()
     mended = fix.Shape()
     if next(subshapes(mended, SOLID), None) is None:
@@ -168,6 +168,17 @@ def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     else:
         findings.append("OCCT finds faults in the shape that it cannot heal: look at the sections")
     return mended
+
+
+def _overlap(solid: TopoDS_Shape, findings: list[str]) -> float:
+    """By how much, mm³, the sum of the solids' volumes exceeds that of their union."""
+    try:
+        pairs, excess = overlaps(solid)
+    except KernelError:
+        findings.append("OCCT cannot tell by how much solids overlap: the volume may be too large")
+        return 0.0
+    findings += overlap_findings("solids", pairs)
+    return excess
 
 
 def _gap_findings(solid: TopoDS_Shape) -> list[str]:

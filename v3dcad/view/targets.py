@@ -8,7 +8,7 @@
 | `neighbours` | a cell and all its neighbours on that layer |
 | `neighbour` | a cell and one of its neighbours |
 | `tree` | the minimum spanning tree of a layer's sites, over the layer |
-| `cut` | walls and contours where the plane through the part's middle, parallel to x, cuts them |
+| `cut` | walls and contours in the plane y = 0 of the bed, which is upright in the part's middle |
 
 Where only a part of a layer is shown, its contours are drawn as `context`. Lines lie where the
 part's source lies.
@@ -20,9 +20,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from v3dcad.errors import SettingError
-from v3dcad.model import OUTSIDE, Floats, Ints, Layer, Placement, Value
+from v3dcad.model import Floats, Ints, Layer, Placement, Value
 from v3dcad.view.colours import COLOURS
 from v3dcad.view.vertical_cut import vertical_cut
 
@@ -57,13 +58,15 @@ class Labels(Value):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Preview:
+class Preview(Value):
     """What is shown of a structure."""
 
     title: str
     lines: tuple[Lines, ...]
     """what is most important comes last, to be drawn over the others"""
     labels: Labels
+    cells: Ints
+    """(c,) the sites that have a cell on the layer that is shown; none for `full` and `cut`"""
 
     @property
     def legend(self) -> dict[str, str]:
@@ -99,45 +102,47 @@ def preview(
         elif target == "tree":
             shown = _tree(layer)
         elif target == "cell":
-            shown = _cell(layer, _known(layer, "cell", cell))
+            shown = _cell(layer, _known(layer, cell))
         else:
-            shown = _neighbours(layer, _known(layer, "cell", cell), target, neighbour)
+            shown = _neighbours(layer, _known(layer, cell), target, neighbour)
     return _at_source(shown, placement)
 
 
 def _full(layers: Sequence[Layer]) -> Preview:
     drawn = [_walls_and_contours(layer) for layer in layers]
     lines = tuple(_joined(role, [one[k] for one in drawn]) for k, role in enumerate(_FULL))
-    return Preview(f"the whole structure, {len(layers)} layers", lines, _unlabelled())
+    return Preview(f"the whole structure, {len(layers)} layers", lines, *_UNNUMBERED)
 
 
 def _cut(layers: Sequence[Layer]) -> Preview:
     found = vertical_cut(layers)
-    ends = [layers[k] for k in sorted({0, len(layers) - 1}) if k >= 0]
-    context = _joined("context", [_contours(layer) for layer in ends])
+    ends = [layers[index] for index in sorted({0, len(layers) - 1})]
     lines = (
-        context,
+        _joined("context", [_contours(layer) for layer in ends]),
         Lines("contour", found.points, found.contours),
         Lines("wall", found.points, found.walls),
     )
-    return Preview(f"vertical cut at y = {found.y:g} mm on the bed", lines, _unlabelled())
+    return Preview("vertical cut through the middle", lines, *_UNNUMBERED)
 
 
 def _layer(layer: Layer) -> Preview:
-    return Preview(_named(layer), _walls_and_contours(layer), _labels(layer, layer.diagram.sites()))
+    cells = layer.diagram.sites()
+    return Preview(_named(layer), _walls_and_contours(layer), _labels(layer, cells), cells)
 
 
 def _tree(layer: Layer) -> Preview:
-    sites = layer.state.sites[:, :2]
-    tree = _lines("tree", sites, layer.tree, layer.z)
-    context = _lines("context", layer.diagram.vertices, layer.diagram.edges, layer.z)
+    lines = (
+        _lines("context", layer.diagram.vertices, layer.diagram.edges, layer.z),
+        _lines("tree", layer.state.sites[:, :2], layer.tree, layer.z),
+    )
     title = f"minimum spanning tree of {_named(layer)}"
-    return Preview(title, (context, tree), _unlabelled())
+    return Preview(title, lines, _UNLABELLED, layer.diagram.sites())
 
 
 def _cell(layer: Layer, cell: int) -> Preview:
     lines = _contours(layer), _edges(layer, "cell", _around(layer, cell))
-    return Preview(f"cell {cell} of {_named(layer)}", lines, _labels(layer, np.array([cell])))
+    labels = _labels(layer, np.array([cell]))
+    return Preview(f"cell {cell} of {_named(layer)}", lines, labels, layer.diagram.sites())
 
 
 def _neighbours(layer: Layer, cell: int, target: str, neighbour: int | None) -> Preview:
@@ -161,15 +166,15 @@ def _neighbours(layer: Layer, cell: int, target: str, neighbour: int | None) -> 
         _contours(layer), _edges(layer, "neighbour", others), _edges(layer, "cell", own)
     )  # fmt: skip
     labels = _labels(layer, np.sort(np.append(beside, cell)))
-    return Preview(f"{title}, {_named(layer)}", lines, labels)
+    return Preview(f"{title}, {_named(layer)}", lines, labels, layer.diagram.sites())
 
 
-def _known(layer: Layer, name: str, cell: int | None) -> int:
+def _known(layer: Layer, cell: int | None) -> int:
     """A site that has a cell on the layer; `SettingError` for any other."""
     cells = layer.diagram.sites()
     if cell is None or cell not in cells:
         raise SettingError(
-            name, f"{name} {cell}: the cells of layer {layer.index} are {_listed(cells)}"
+            "cell", f"cell {cell}: the cells of layer {layer.index} are {_listed(cells)}"
         )
     return cell
 
@@ -225,32 +230,34 @@ def _joined(role: str, drawn: Sequence[Lines]) -> Lines:
     return Lines(role, np.concatenate([lines.points for lines in drawn]), np.concatenate(pairs))
 
 
-def _unlabelled() -> Labels:
-    return Labels(np.empty(0, np.int64), np.empty((0, 3)))
+_UNLABELLED = Labels(np.empty(0, np.int64), np.empty((0, 3)))
+_UNNUMBERED = _UNLABELLED, _UNLABELLED.sites
+"""The labels and the cells of what shows no layer by itself."""
 
 
 def _labels(layer: Layer, sites: Ints) -> Labels:
-    """The numbers of sites, each at the centroid of its cell's outline."""
-    diagram = layer.diagram
-    middles = diagram.vertices[diagram.edges].mean(axis=1)
-    lengths = diagram.lengths()
-    sums = np.zeros((int(sites.max(initial=-1)) + 1, 3))
-    for side in diagram.edge_sites.T:
-        mine = (side != OUTSIDE) & (side < len(sums))
-        weighted = np.column_stack([lengths[:, None] * middles, lengths])[mine]
-        np.add.at(sums, side[mine], weighted)
-    x, y, around = sums[sites].T
-    return Labels(sites, np.column_stack([x / around, y / around, np.full(len(sites), layer.z)]))
+    """The numbers of sites, each inside its cell."""
+    rings = layer.diagram.cells()
+    places = np.reshape([_inside(rings[site]) for site in sites.tolist()], (-1, 2))
+    return Labels(sites, np.column_stack([places, np.full(len(sites), layer.z)]))
+
+
+def _inside(rings: Sequence[Floats]) -> Floats:
+    """(2,) a point inside a cell, in the middle of a wide place of it; of one without area, on it.
+
+    A middle of corners would not do: a section may leave a bent cell, pieces, or a ring.
+    """
+    closed = [shapely.linestrings(np.vstack([ring, ring[:1]])) for ring in rings]
+    point = shapely.point_on_surface(shapely.build_area(shapely.multilinestrings(closed)))
+    place: Floats = rings[0][0] if shapely.is_empty(point) else shapely.get_coordinates(point)[0]
+    return place
 
 
 def _at_source(shown: Preview, placement: Placement) -> Preview:
     """What is shown, moved from the bed to where the source lies."""
-    moved = tuple(
-        replace(lines, points=placement.to_source(np.asarray(lines.points)))
-        for lines in shown.lines
-    )
-    points = placement.to_source(np.asarray(shown.labels.points))
-    return Preview(shown.title, moved, replace(shown.labels, points=points))
+    lines = tuple(replace(one, points=placement.to_source(one.points)) for one in shown.lines)
+    points = placement.to_source(shown.labels.points)
+    return replace(shown, lines=lines, labels=replace(shown.labels, points=points))
 
 
 def all_lines(layers: Iterable[Layer], placement: Placement) -> tuple[Floats, Ints, Ints]:

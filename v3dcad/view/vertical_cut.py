@@ -18,10 +18,8 @@ from v3dcad.model import Floats, Ints, Layer
 
 
 class VerticalCut(NamedTuple):
-    """Lines in the plane y = `y`, bed coordinates."""
+    """Lines in a plane parallel to x and z, bed coordinates."""
 
-    y: float
-    """mm"""
     points: Floats
     """(n, 3) mm: where edges of layers cross the plane"""
     walls: Ints
@@ -50,34 +48,26 @@ class _Crossings(NamedTuple):
         }
 
 
-def vertical_cut(layers: Iterable[Layer], y: float | None = None) -> VerticalCut:
-    """The cut of a structure by the plane at y, mm, bed coordinates.
+def vertical_cut(layers: Iterable[Layer], y: float = 0.0) -> VerticalCut:
+    """The cut of a structure by the plane at y, mm, bed coordinates: by default the part's middle.
 
-    By default it goes through the middle of the first layer that has a vertex. Goes through the
-    layers once.
+    Goes through the layers once.
     """
     points = [np.empty((0, 3))]
     walls: list[tuple[int, int]] = []
     contours: list[tuple[int, int]] = []
     below = _Crossings(np.empty(0), np.empty((0, 2), np.int64), 0)
     for layer in layers:
-        if y is None and len(layer.diagram.vertices):
-            across = layer.diagram.vertices[:, 1]
-            y = float(across.min() + across.max()) / 2
-        if y is None:
-            continue
         here = _crossings(layer, y, below.first + len(below.x))
         points.append(
-            np.column_stack([here.x, np.full(len(here.x), y), np.full_like(here.x, layer.z)])
+            np.column_stack([here.x, np.full_like(here.x, y), np.full_like(here.x, layer.z)])
         )
         lower, upper = below.walls(), here.walls()
         walls += [(lower[pair], row) for pair, row in upper.items() if pair in lower]
         if len(below.contours()) == len(here.contours()):
             contours += zip(below.contours().tolist(), here.contours().tolist(), strict=True)
         below = here
-    return VerticalCut(
-        0.0 if y is None else y, np.concatenate(points), _rows(walls), _rows(contours)
-    )
+    return VerticalCut(np.concatenate(points), _rows(walls), _rows(contours))
 
 
 def _crossings(layer: Layer, y: float, first: int) -> _Crossings:

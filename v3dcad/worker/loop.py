@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import traceback
 import warnings
@@ -88,9 +89,17 @@ def _answer(line: bytes, stream: BinaryIO, files: Files, kept: Kept) -> None:
         Answers(stream, number).error(error)
 
 
+def _number(text: str) -> int | float:
+    """A number of JSON; `ValueError` for one that is too large for a float, Infinity and NaN."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is no finite number")
+    return int(text) if text.lstrip("-").isdecimal() else number
+
+
 def _parsed(line: bytes) -> dict[str, Any]:
     try:
-        request = json.loads(line)
+        request = json.loads(line, parse_int=_number, parse_float=_number, parse_constant=_number)
     except (ValueError, RecursionError) as error:
         raise V3dcadError(f"the request is not JSON ({error})") from error
     if not isinstance(request, dict):

@@ -116,7 +116,7 @@ class Work:
             "labels": [[str(site), *point] for site, point in labels],
             "layer": index,
             "layers": len(structure.layers),
-            "cells": structure.layers[index].diagram.sites().tolist(),
+            "cells": shown.cells.tolist(),
         }
 
     def brep(self) -> dict[str, Any]:

@@ -98,7 +98,7 @@ def test_a_cavity_belongs_to_the_smallest_body_around_it():
 def test_a_body_inside_another_is_swallowed():
     mesh, findings = checked_mesh(together(box((-1, -1, -1), (3, 3, 3)), CUBE))
     assert volume(mesh) == pytest.approx(64)
-    assert findings == ["united 2 overlapping bodies, which shared 8 mm³"]
+    assert findings == ["bodies 1 and 2 overlap by 8 mm³: they are filled as one"]
 
 
 def test_holes_are_refused_with_counts_or_patched_and_said():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,12 @@ from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
 from v3dcad.model import Floats, Ints
 
 Flags = NDArray[np.bool_]
+
+Pairs = list[tuple[int, int, float]]
+"""Bodies i < j, counted from 0, and the volume that they share, mm³."""
+
+SHOWN = 5
+"""Most pairs of bodies that overlap which are named one by one."""
 
 
 class Sides(NamedTuple):
@@ -119,6 +126,14 @@ def body_bounds(vertices: Floats, triangles: Ints, body: Ints) -> tuple[Floats, 
     np.minimum.at(low, body, corners.min(axis=1))
     np.maximum.at(high, body, corners.max(axis=1))
     return low, high
+
+
+def overlap_findings(bodies: str, pairs: Pairs) -> Iterator[str]:
+    """What to report of bodies ("solids") that overlap."""
+    for i, j, shared in sorted(pairs, key=lambda pair: -pair[2])[:SHOWN]:
+        yield f"{bodies} {i + 1} and {j + 1} overlap by {shared:.4g} mm³: they are filled as one"
+    if len(pairs) > SHOWN:
+        yield f"{len(pairs) - SHOWN} more pairs of {bodies} overlap by less"
 
 
 @compiled(INLINED)

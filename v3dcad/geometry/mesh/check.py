@@ -9,26 +9,40 @@ from v3dcad.geometry.mesh.bodies import (
     bodies_of,
     body_bounds,
     containers,
+    overlap_findings,
     sides_of,
     signed_volumes,
     wound_alike,
 )
 from v3dcad.geometry.mesh.holes import patch, rims_of
+from v3dcad.geometry.mesh.mending import near_welded, without_odd_edges
 from v3dcad.geometry.mesh.section import mesh_edges
 from v3dcad.model import Floats, Ints, Mesh
+
+BEYOND = (
+    "what is left cannot be repaired here; remesh it where it was made, or in a mesh editor, and "
+    "export it again"
+)
+
+FLAT = 1e-12
+"""Share of the cube over a mesh's diagonal: what encloses less has no inside."""
 
 
 def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
     """The mesh as the closed, outward surface of a solid, and what had to be done for it.
 
-    Exactly equal vertices are welded, triangles made to wind alike, inverted bodies turned,
-    overlapping bodies united; with `repair` holes are closed. One finding (a sentence) for each
-    change. Bodies that cut through themselves are not detected. `GeometryError`, with counts and
-    positions, where the mesh has no triangle, a vertex that is not finite, holes (and `repair` is
-    not given), or edges of more than two triangles that no winding makes even.
+    Exactly equal vertices are welded, and near ones at open edges; two triangles that lie on each
+    other back to back, as where bodies share a face, both go. Triangles are made to wind alike,
+    inverted bodies turned, overlapping bodies united; with `repair` holes are closed. One finding
+    (a sentence) for each change that may matter. `GeometryError`, with counts and positions, where
+    the mesh has no triangle, a vertex that is not finite, holes or edges of an odd number of
+    triangles (and `repair` is not given), or encloses nothing.
     """
     findings: list[str] = []
     vertices, triangles = _welded(mesh, findings)
+    triangles = near_welded(vertices, triangles, findings)
+    if repair:
+        triangles = without_odd_edges(triangles, findings)
     _count_uses(vertices, triangles, repair)
     triangles, turned = wound_alike(triangles)
     if turned:
@@ -41,9 +55,12 @@ def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
             f"closed {len(rims)} holes with {_area(vertices, patches):.4g} mm² of triangles"
         )
     triangles = _turned_outward(vertices, triangles, findings)
-    closed = Mesh(vertices, triangles)
-    mesh_edges(triangles)  # refuses what is still uneven
-    return _united(closed, findings), findings
+    try:
+        mesh_edges(triangles)
+    except GeometryError as error:
+        raise GeometryError(BEYOND) from error
+    _refuse_flat(vertices, triangles)
+    return _united(Mesh(vertices, triangles), findings), findings
 
 
 def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
@@ -64,30 +81,50 @@ def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
     if len(triangles) < len(mesh.triangles):
         count = len(mesh.triangles) - len(triangles)
         findings.append(f"dropped {count} triangles without area")
-    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
-    if len(first) < len(triangles):
-        findings.append(f"dropped {len(triangles) - len(first)} repeated triangles")
-        triangles = triangles[np.sort(first)]
-    return vertices, triangles
+    return vertices, _once(triangles, findings)
+
+
+def _once(triangles: Ints, findings: list[str]) -> Ints:
+    """Triangles without repeated ones, and without any two that lie on each other back to back."""
+    ordered = np.sort(triangles, axis=1)
+    _, first, group = np.unique(ordered, axis=0, return_index=True, return_inverse=True)
+    if len(first) == len(triangles):
+        return triangles
+    group = group.ravel()
+    turn = (triangles.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    begun = np.take_along_axis(triangles, turn, axis=1)
+    way = np.where(begun[:, 1] == ordered[:, 1], 1, -1)
+    cancels = (np.bincount(group, way) == 0) & (np.bincount(group) == 2)
+    if cancels.all():  # both sides of every triangle are there: one surface all the same
+        cancels[:] = False
+    repeated = len(triangles) - len(first) - int(cancels.sum())
+    if repeated:
+        findings.append(f"dropped {repeated} repeated triangles")
+    return triangles[np.sort(first[~cancels])]
 
 
 def _count_uses(vertices: Floats, triangles: Ints, repair: bool) -> None:
-    """Refuse holes, unless they are to be repaired, and edges shared by an odd number."""
+    """Refuse edges shared by an odd number, and holes, unless they are to be repaired."""
     sides = sides_of(triangles)
     uses = sides.uses()
     boundary, odd = uses == 1, (uses > 2) & (uses % 2 == 1)
-    counts = f"{int(boundary.sum())} boundary edges and {int((uses > 2).sum())} non-manifold edges"
-    if odd.any():
-        raise GeometryError(
-            f"the mesh has {counts}, {_where(vertices, sides.ends[sides.starts[:-1][odd]])}: "
-            "make it a closed surface first"
-        )
-    if boundary.any() and not repair:
-        raise GeometryError(
-            f"the mesh is open: {counts}, "
-            f"{_where(vertices, sides.ends[sides.starts[:-1][boundary]])}: "
-            "close it, or let --repair patch the holes"
-        )
+    if not odd.any() and (repair or not boundary.any()):
+        return
+    faulty = odd if odd.any() else boundary
+    raise GeometryError(
+        f"the mesh {'is not closed' if odd.any() else 'is open'}: {int(boundary.sum())} boundary "
+        f"edges and {int((uses > 2).sum())} non-manifold edges, "
+        f"{_where(vertices, sides.ends[sides.starts[:-1][faulty]])}: "
+        + (BEYOND if repair else "close it, or let --repair patch the holes")
+    )
+
+
+def _refuse_flat(vertices: Floats, triangles: Ints) -> None:
+    """Raise `GeometryError` for a surface without anything inside."""
+    low, high = vertices[triangles.ravel()].min(axis=0), vertices[triangles.ravel()].max(axis=0)
+    volumes = signed_volumes(vertices, triangles, bodies_of(triangles))
+    if np.abs(volumes).max(initial=0.0) <= FLAT * np.linalg.norm(high - low) ** 3:
+        raise GeometryError("the mesh encloses nothing: it is a sheet without thickness")
 
 
 def _where(vertices: Floats, edges: Ints) -> str:
@@ -148,9 +185,10 @@ def _united(mesh: Mesh, findings: list[str]) -> Mesh:
     apart = sum(piece.volume() for piece in pieces)
     if abs(union.volume() - apart) <= 1e-9 * apart:
         return mesh
-    findings.append(
-        f"united {len(solid)} overlapping bodies, which shared {apart - union.volume():.4g} mm³"
-    )
+    pairs = [
+        (i, j, (pieces[i] ^ pieces[j]).volume()) for i, j in np.argwhere(np.triu(close, 1)).tolist()
+    ]
+    findings += overlap_findings("bodies", [pair for pair in pairs if pair[2] > 1e-9 * apart])
     result = union.to_mesh64()
     return Mesh(
         np.array(result.vert_properties[:, :3], np.float64),

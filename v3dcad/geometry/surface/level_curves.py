@@ -11,7 +11,7 @@ from v3dcad.geometry.compiled.linked import linked
 from v3dcad.geometry.compiled.options import ALLOCATING, ENTRY, INLINED, INTERNAL, compiled
 from v3dcad.geometry.mesh.section import SNAP, Crossings, is_thin
 from v3dcad.geometry.surface.conics import NO_CONIC, STRAIGHT_LINE, Conic, conic_at
-from v3dcad.geometry.surface.mesh import MeshArrays
+from v3dcad.geometry.surface.mesh import MeshArrays, project
 from v3dcad.geometry.surface.surfaces import step_to_line, surface_at
 
 CurvePoint = tuple[float, float, float, float]
@@ -226,6 +226,48 @@ def _add_conic(
 
 
 @linked(ALLOCATING)
+def _passed(
+    mesh: MeshArrays,
+    crossings: Crossings,
+    shares: ConstFloatArray,
+    stretch: _Stretch,
+    height: float,
+    way: int,
+) -> tuple[int, CurvePoint]:
+    """The crossing that a stretch goes to from its first one (`way` 1), or comes from to its last
+    (−1), and that end's true parameters.
+
+    A stretch ends on an edge of the B-rep. Where this bows into the face, mesh edges may lie beyond
+    it: the crossings there are none of the face, and are passed over. In the parameters such an
+    end lies beyond the mesh edge, as seen from the triangle between them.
+    """
+    k, stop = (stretch.first, stretch.last) if way > 0 else (stretch.last, stretch.first)
+    here = _index(stretch, k)
+    triangle = crossings.triangles[here if way > 0 else _index(stretch, k - 1)]
+    end = _crossing(mesh, crossings, shares, triangle, here)
+    k += way
+    if mesh.edge_curves[crossings.edges[here]] < 0 or k == stop:
+        return k, end
+    surface = mesh.surfaces[mesh.faces[triangle]]
+    point = np.empty(3)
+    point[0], point[1], point[2] = end[0], end[1], height
+    u, v = project(mesh.coefficients, surface, point, end[2], end[3])
+    while k != stop and mesh.edge_curves[crossings.edges[_index(stretch, k)]] < 0:
+        triangle = crossings.triangles[_index(stretch, k - 1 if way > 0 else k)]
+        side = 0
+        while side < 2 and mesh.sides[triangle, side] != crossings.edges[_index(stretch, k)]:
+            side += 1
+        a, b = mesh.corners[triangle, side], mesh.corners[triangle, (side + 1) % 3]
+        c = mesh.corners[triangle, (side + 2) % 3]
+        own = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        aside = (b[0] - a[0]) * (v - a[1]) - (b[1] - a[1]) * (u - a[0])
+        if not own * aside < 0.0:
+            break
+        k += way
+    return k, (end[0], end[1], u, v)
+
+
+@linked(ALLOCATING)
 def _add_level_curve(
     out: FloatRows,
     written: int,
@@ -242,13 +284,28 @@ def _add_level_curve(
     """
     points, crossed = crossings.points, crossings.triangles
     surface = mesh.surfaces[mesh.faces[crossed[_index(stretch, stretch.first)]]]
-    for k in range(stretch.first, stretch.last):
-        one, other = _index(stretch, k), _index(stretch, k + 1)
+    second, first_point = _passed(mesh, crossings, shares, stretch, height, 1)
+    before_last, last_point = _passed(mesh, crossings, shares, stretch, height, -1)
+    k = stretch.first
+    while k < stretch.last:
+        after = second if k == stretch.first else k + 1
+        if after > before_last:
+            after = stretch.last
+        one, other = _index(stretch, k), _index(stretch, after)
+        skips = after > k + 1
+        k = after
         if points[one, 0] == points[other, 0] and points[one, 1] == points[other, 1]:
             continue
         out = _with_room(out, written, 2**MAX_HALVINGS)
-        start = _crossing(mesh, crossings, shares, crossed[one], one)
-        end = _crossing(mesh, crossings, shares, crossed[one], other)
+        if skips:
+            before = _index(stretch, after - 1)
+            start = _crossing(mesh, crossings, shares, crossed[one], one)
+            end = _crossing(mesh, crossings, shares, crossed[before], other)
+            start = first_point if one == _index(stretch, stretch.first) else start
+            end = last_point if after == stretch.last else end
+        else:
+            start = _crossing(mesh, crossings, shares, crossed[one], one)
+            end = _crossing(mesh, crossings, shares, crossed[one], other)
         written = _follow(mesh.coefficients, surface, height, start, end, tolerance, out, written)
     return out, written
 

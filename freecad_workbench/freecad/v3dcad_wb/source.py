@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileNotice: Part of the Voronoi 3D addon.
+"""What is filled: any object with a volume, written to a file for the worker."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import FreeCAD as App
+import Part
+
+from .backend import WorkerError
+from .qt import tr
+
+
+def why_not(source: Any) -> str | None:
+    """Why an object cannot be filled, in words; None if it can."""
+    if source is None:
+        return tr("The source was deleted: choose another one in the property Source.")
+    label = source.Label
+    mesh = getattr(source, "Mesh", None)
+    if mesh is not None:
+        if mesh.CountFacets and mesh.isSolid():
+            return None
+        return tr(
+            "{label} is an open mesh. Close it first: workbench Mesh, Meshes → Fill holes."
+        ).format(label=label)
+    shape = Part.getShape(source)
+    if shape.isNull():
+        return tr("{label} has no shape.").format(label=label)
+    if not shape.Solids:
+        return tr(
+            "{label} encloses no volume: choose a solid, a body or a closed mesh. "
+            "A sketch has to be padded first."
+        ).format(label=label)
+    return None
+
+
+def can_be_filled(source: Any) -> bool:
+    """Whether an object may be chosen for a fill."""
+    if not hasattr(source, "Mesh") and not hasattr(source, "getGlobalPlacement"):
+        return False
+    return why_not(source) is None
+
+
+def frame_of(obj: Any) -> App.Placement:
+    """The frame that an object's own placement is given in: its App::Part's, or the document's."""
+    return obj.getGlobalPlacement().multiply(obj.Placement.inverse())
+
+
+def write_source(source: Any, target: Any, folder: Path) -> str:
+    """Write the source as `target`'s frame sees it; the path, named after what the file holds.
+
+    So the same shape has the same name, and the worker keeps its sections. Raises `WorkerError`
+    where there is nothing to fill.
+    """
+    if why := why_not(source):
+        raise WorkerError(why)
+    frame = frame_of(target).inverse() if target is not None else App.Placement()
+    placement = frame.multiply(source.getGlobalPlacement())
+    mesh = getattr(source, "Mesh", None)
+    beside = folder / ("writing.stl" if mesh is not None else "writing.brep")
+    try:
+        if mesh is not None:
+            copy = mesh.copy()
+            copy.Placement = placement
+            copy.write(str(beside), "STL")
+        else:
+            shape = Part.getShape(source).copy()
+            shape.Placement = placement
+            shape.exportBrep(str(beside))
+        digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:20]
+        path = folder / f"source-{digest}{beside.suffix}"
+        beside.replace(path)
+    except (OSError, RuntimeError, Part.OCCError) as error:
+        message = tr("the source could not be written ({why}); is the disk full?")
+        raise WorkerError(message.format(why=error)) from error
+    return str(path)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+# SPDX-FileNotice: Part of the Voronoi 3D addon.
+"""The task panel of a fill: settings, a preview of one layer while they change, progress."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import FreeCAD as App
+import FreeCADGui as Gui
+
+from . import properties
+from .backend import Answer, WorkerError, worker
+from .features import is_there, make_voronoi_fill, request_of
+from .forms import SettingsForm
+from .preview import Preview
+from .qt import QtCore, QtWidgets, tr
+
+OFTEN = ("cell_size", "stretch", "max_overhang", "layer_height", "random_seed", "method")
+"""Settings that are shown first."""
+
+
+class FillPanel:
+    """Edits a fill; nothing of the document changes before OK or Apply."""
+
+    def __init__(self, obj: Any) -> None:
+        self.obj = obj
+        self.form = QtWidgets.QWidget()
+        self.form.setWindowTitle(tr("Voronoi fill"))
+        layout = QtWidgets.QVBoxLayout(self.form)
+        self.fields: SettingsForm | None = None
+        self.request: dict[str, Any] = {}
+        self.place = QtWidgets.QVBoxLayout()
+        layout.addLayout(self.place)
+        row = QtWidgets.QHBoxLayout()
+        self.slider = QtWidgets.QSlider(QtCore.Qt.Horizontal)
+        self.slider.setObjectName("layer")
+        self.slider.setRange(0, max(obj.Layers - 1, 0))
+        self.slider.setValue(obj.Layers // 2)
+        self.layer_label = QtWidgets.QLabel()
+        row.addWidget(QtWidgets.QLabel(tr("Layer")))
+        row.addWidget(self.slider, 1)
+        row.addWidget(self.layer_label)
+        layout.addLayout(row)
+        self.said = QtWidgets.QLabel(tr("Starting v3dcad"))
+        self.said.setObjectName("said")
+        self.said.setWordWrap(True)
+        layout.addWidget(self.said)
+        layout.addStretch(1)
+        self.preview = Preview(obj, self.form)
+        self.layers = max(obj.Layers, 1)
+        self.slider.valueChanged.connect(lambda _: self.ask())
+        worker.hello(self._begin, self._refused)
+
+    def _begin(self) -> None:
+        if not is_there(self.obj):
+            return
+        self.obj.Proxy.add_settings(self.obj)
+        try:
+            _, self.request = request_of(self.obj)
+        except WorkerError as error:
+            return self._refused(error)
+        fill = properties.of_fill(worker.settings)
+        rank = {name: k for k, name in enumerate(OFTEN)}
+        fill.sort(key=lambda one: rank.get(one["name"], len(OFTEN)))
+        self.fields = SettingsForm(fill, self.ask)
+        self.place.addWidget(self.fields)
+        self.fields.set(properties.values_of(self.obj, worker.settings))
+        self.ask()
+        return None
+
+    def ask(self) -> None:
+        """Ask for the layer as the fields would make it; only the newest request is kept."""
+        if self.fields is None:
+            return
+        wanted = {"settings": self.fields.values(), "layer": self.slider.value()}
+        self.preview.ask({**self.request, **wanted, "target": "layer"}, self._shown, self._refused)
+
+    def _shown(self, answer: Answer) -> None:
+        self.layers = answer["layers"]
+        if self.slider.maximum() != self.layers - 1:
+            self.slider.blockSignals(True)
+            first = self.slider.maximum() == 0
+            self.slider.setMaximum(self.layers - 1)
+            self.slider.blockSignals(False)
+            if first:
+                self.slider.setValue(self.layers // 2)
+        self.layer_label.setText(f"{self.slider.value() + 1} / {self.layers}")
+        self.said.setText(answer["title"])
+
+    def _refused(self, error: WorkerError) -> None:
+        self.said.setText(str(error))
+
+    def getStandardButtons(self) -> int:  # noqa: N802, FreeCAD's name
+        """OK, Apply and Cancel."""
+        buttons = QtWidgets.QDialogButtonBox
+        return int(buttons.Ok | buttons.Apply | buttons.Cancel)
+
+    def clicked(self, button: int) -> None:
+        """Apply keeps the panel open."""
+        if button == int(QtWidgets.QDialogButtonBox.Apply):
+            self.apply()
+
+    def apply(self) -> None:
+        """Set the properties in one transaction and recompute."""
+        if self.fields is None or not is_there(self.obj):
+            return
+        document = self.obj.Document
+        now, wanted = properties.values_of(self.obj, worker.settings), self.fields.values()
+        if now != wanted or self.obj.Made == "":
+            document.openTransaction(tr("Edit Voronoi fill"))
+            properties.set_values(self.obj, wanted, worker.settings)
+            document.commitTransaction()
+            document.recompute()
+
+    def accept(self) -> bool:
+        """Apply and close."""
+        self.apply()
+        return self.reject()
+
+    def reject(self) -> bool:
+        """Close; the preview goes."""
+        self.preview.close()
+        if Gui.ActiveDocument is not None and Gui.ActiveDocument.getInEdit():
+            Gui.ActiveDocument.resetEdit()
+        Gui.Control.closeDialog()
+        return True
+
+
+def fill_each(document: Any, sources: list[Any]) -> list[Any]:
+    """One fill for each source, in one transaction."""
+    document.openTransaction(tr("Voronoi fill"))
+    try:
+        fills = [make_voronoi_fill(document, source) for source in sources]
+        for source in sources:
+            if App.GuiUp and hasattr(source.ViewObject, "Transparency"):
+                source.ViewObject.Transparency = 80
+    finally:
+        document.commitTransaction()
+    return fills
