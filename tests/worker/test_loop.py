@@ -141,6 +141,15 @@ def test_notes_are_what_v3dcad_warns_of_once_each(
     assert said == {"id": None, "result": {"edges": 3, "notes": ["walls close up"]}}
 
 
+@pytest.mark.parametrize("number", [0, -7, 1.5, "ü", "\ud800", [1, {"a": None}], None, True])
+def test_an_id_comes_back_as_it_was(number: Any, tmp_path: Path) -> None:
+    stream = io.BytesIO()
+    loop.serve([json.dumps({"id": number}).encode()], stream, tmp_path)
+    said = json.loads(stream.getvalue())
+    assert said["id"] == number
+    assert type(said["id"]) is type(number)
+
+
 def test_nobody_left_to_answer(tmp_path: Path) -> None:
     class Closed(io.BytesIO):
         def flush(self) -> None:
