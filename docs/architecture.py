@@ -89,7 +89,7 @@ class Room:
 
 
 ROOMS = (
-    Room("cli.py, commands/", ("commands", "cli", "options"), 0, 20, 2, 56),
+    Room("cli.py, commands/", ("commands", "cli", "__main__", "options"), 0, 20, 2, 56),
     Room("worker/", ("worker",), 2, 20, 2, 56),
     Room("adapters/", ("adapters",), 4, 20, 2, 56),
     Room(

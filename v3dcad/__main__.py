@@ -1,4 +1,4 @@
-"""`python -m v3dcad`: the command line, for those who know an interpreter and no script."""
+"""`python -m v3dcad` is `v3dcad`, for programs that know only where their Python is."""
 
 from v3dcad.cli import main
 

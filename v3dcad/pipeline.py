@@ -22,7 +22,7 @@ from v3dcad.recipes import (
     boundary_of,
     changed,
     check_fits_sites,
-    explicit_sites,
+    given_sites,
     in_space,
     known_settings,
     part_of,
@@ -308,7 +308,7 @@ def fill(
     if sites is None or isinstance(sites, int):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor)
-    explicit = explicit_sites(sites)
+    explicit = given_sites(sites)
     return build(part_from(source), known_settings(settings, explicit), explicit, executor)
 
 

@@ -72,7 +72,7 @@ def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillS
     return settings
 
 
-def explicit_sites(sites: Any) -> Floats:
+def given_sites(sites: Any) -> Floats:
     """Sites that a user gave as an array (n, 2) or (n, 3); `SettingError` for anything else."""
     try:
         rows = np.asarray(sites, dtype=np.float64)
@@ -112,7 +112,7 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     if isinstance(sites, int):
         kept, settings = None, {**settings, "sites": sites}
     elif sites is not None:
-        kept = explicit_sites(sites)
+        kept = given_sites(sites)
         if method == "thesis":
             before["sites"] = len(kept)
         else:

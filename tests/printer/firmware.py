@@ -7,9 +7,12 @@ marlin     `Marlin/src/gcode/queue.cpp`: `get_serial_commands` compares numbers 
            `ok_to_send` answers when a line has been obeyed (with ADVANCED_OK: N, P and B);
            `host_keepalive` says busy every 2 s; M112 and M108 are read out of their turn with
            EMERGENCY_PARSER (`feature/e_parser.h`)
-repetier   `gcode.cpp`: `checkAndPushCommand` answers `skip` to a line it has, `requestResend`;
+repetier   `gcode.cpp`: `checkAndPushCommand` answers `skip` to a line it has and, after
+           `requestResend`, up to 15 times to any line but the one it wants (`waitingForResend`);
+           `reportFatalError` answers all lines after a fatal error, with an `ok` behind it;
            `ok` is said when a line is taken; `wait` each second when there is nothing to do
-klipper    `klippy/gcode.py`: `_process_commands` looks at neither numbers nor checksums
+klipper    `klippy/gcode.py`: `_process_commands` looks at neither numbers nor checksums, and says
+           `ok` to a blank line too
 reprapfirmware  `GCodeBuffer/StringParser.cpp`: `LineFinished` drops a line with a wrong checksum
            in silence and does not compare numbers
 """
@@ -78,6 +81,8 @@ class Firmware:
     halted: bool = False
     silent: bool = False
     overruns: int = 0
+    skips: int = -1
+    """how many wrong lines are skipped before a line is asked for again"""
     targets: dict[str, float] = field(default_factory=lambda: {"T": 0.0, "B": 0.0})
 
     def __post_init__(self) -> None:
@@ -162,6 +167,8 @@ class Firmware:
             line, _, self.rx = self.rx.partition(b"\n")
             if line.strip():
                 self.line_done(line.decode("latin-1"), now)
+            elif self.kind == "klipper":
+                self.enqueue(None, "", now)
         if self.queue and self.done_at is None and not self.halted:
             self.begin(now)
 
@@ -181,7 +188,10 @@ class Firmware:
                 self.enqueue(number, command, now)
         elif not good and self.kind == "repetier":
             self.ask_again("", now)
-        elif self.kind == "repetier" and 0 <= self.last - number < 40 and not sets:
+        elif self.kind == "repetier" and number != self.last + 1 and not sets and (
+            (self.last - number) % 65536 < 40 or self.skips >= 0
+        ):  # fmt: skip
+            self.skips -= (self.last - number) % 65536 >= 40
             self.say(f"skip {number}", now)
             self.say("ok", now)
         elif number != self.last + 1 and not sets:
@@ -196,6 +206,7 @@ class Firmware:
 
     def ask_again(self, why: str, now: float) -> None:
         self.rx = b""
+        self.skips = 14
         if why:
             self.say(f"Error:{why}, Last Line: {self.last}", now)
         self.say(f"Resend: {self.last + 1}", now)
@@ -203,6 +214,7 @@ class Firmware:
             self.say("ok", now)
 
     def enqueue(self, number: int | None, command: str, now: float) -> None:
+        self.skips = -1
         self.queue.append((number, command))
         if self.kind == "repetier":
             self.say("ok", now)
@@ -216,7 +228,8 @@ class Firmware:
         number, command = self.queue.popleft()
         self.done_at = None
         self.idle_since = now
-        self.obeyed.append(command)
+        if command:
+            self.obeyed.append(command)
         if number is not None:
             self.numbers.append(number)
         heats = re.match(r"M(104|109|140|190) S([\d.]+)", command)
@@ -263,6 +276,8 @@ class Firmware:
                 self.say("ok", now)
         elif what == "error":
             self.say("Error:Heating failed, system stopped! Heater_ID: 0", now)
+        elif what == "fatal":
+            self.say("fatal:Heater/sensor error Printer stopped and heaters disabled", now)
         elif what == "pause":
             self.say("//action:pause", now)
         elif what == "silence":

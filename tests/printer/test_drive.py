@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from printer.firmware import Firmware
-from printer.world import program
+from printer.world import program, state_after
 
 from v3dcad.errors import LocalPrinterError
 from v3dcad.printer.drive import (
@@ -113,7 +113,15 @@ def test_whether_heaters_could_be_told_is_told() -> None:
     assert caught.value.end == End.LOST
     cable.broken = False
     assert turn_heaters_off(cable, clock=cable.clock) == "the heaters were told to turn off"
-    assert HEATERS_OFF.startswith(b"\n"), "it ends a line that went out in part"
+
+
+def test_every_heater_goes_off() -> None:
+    """Of a second nozzle and a chamber as well; a line that went out in part is ended before."""
+    cable = Cable(Firmware())
+    cable.write(b"G1 X")
+    more = state_after("M104 T1 S200", "M141 S50", "M140 S60").cool()
+    turn_heaters_off(cable, more=more, clock=cable.clock)
+    assert cable.firmware.obeyed == ["G1 X", *HEATERS_OFF, "M104 T1 S0", "M141 S0"]
 
 
 def test_a_good_end() -> None:

@@ -141,6 +141,7 @@ def test_the_last_ok_and_the_last_line_are_lost(variant: dict) -> None:
         ("storm", End.FINISHED),
         ("halt", End.HALTED),
         ("error", End.HALTED),
+        ("fatal", End.HALTED),
         ("reset", End.HALTED),
         ("disconnect", End.LOST),
         ("silence", End.NO_ANSWER),
@@ -233,6 +234,26 @@ def test_without_numbers_a_lost_ok_is_an_error_not_a_guess(kind: str) -> None:
     assert run(Firmware(kind, faults=Faults(to_host=fault)))[0] == End.NO_ANSWER
 
 
+def test_a_blank_line_confirms_nothing() -> None:
+    """Klipper says ok to one as well; a line lost on its way there must not pass for obeyed."""
+    fault = Once(after(20, b"N"), lambda line: b"")
+    assert run(Firmware("klipper", faults=Faults(to_printer=fault)))[0] == End.NO_ANSWER
+
+
+def test_a_line_lost_twice_at_the_end() -> None:
+    """Repetier skips, and says ok to, what comes before the line that it asked for."""
+    lost = []
+
+    def lose(line: bytes, count: int) -> bytes:
+        if line.startswith(b"N60 ") and len(lost) < 2:
+            lost.append(line)
+            return line[:-4] + b"\n" if len(lost) == 1 else b""
+        return line
+
+    assert run(Firmware("repetier", faults=Faults(to_printer=lose)))[0] == End.FINISHED
+    assert len(lost) == 2
+
+
 def test_a_silent_port_without_printer() -> None:
     firmware = Firmware()
     firmware.silent = True
@@ -278,7 +299,7 @@ def spoil_line(chance: random.Random, line: bytes) -> bytes:
     happens=st.dictionaries(
         # A board that is reset sooner gets the file from its start: docs/printing.md.
         st.integers(GOES_BACK + 4, len(FILE)),
-        st.sampled_from(["storm", "halt", "reset", "disconnect", "silence", "error"]),
+        st.sampled_from(["storm", "halt", "reset", "disconnect", "silence", "error", "fatal"]),
         max_size=2,
     ),
     latency=st.sampled_from([0.0, 0.001, 0.05, 0.3]),

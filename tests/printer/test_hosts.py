@@ -8,7 +8,7 @@ from v3dcad.printer.ends import HostError, HostFault
 from v3dcad.printer.hosts.moonraker import Moonraker
 from v3dcad.printer.hosts.octoprint import OctoPrint
 from v3dcad.printer.hosts.prusalink import PrusaLink
-from v3dcad.printer.hosts.requests import Answer, Dialogue, HostState, Request
+from v3dcad.printer.hosts.requests import Answer, Dialogue, HostState, Request, said
 
 VERSION = Answer(200, {"text": "OctoPrint 1.11.8"})
 INFO = Answer(200, {"result": {"moonraker_version": "0.11", "klippy_state": "ready"}})
@@ -109,9 +109,19 @@ def test_another_kind(host: type, answer: Answer) -> None:
     assert caught.value.fault == HostFault.KIND
 
 
+def test_what_a_terminal_would_obey_is_not_shown() -> None:
+    nasty = {"text": "OctoPrint\x1b[2J\x07 1\n2", "error": "x" * 999}
+    answer = Answer(200, nasty)
+    assert answer.words("text") == "OctoPrint [2J 1 2"
+    assert len(said(answer)) == 200
+    _, state = play(OctoPrint().state(), answer, Answer(409))
+    assert state.version.isprintable()
+
+
 def test_prusalink_without_a_storage() -> None:
     full = {"storage_list": [{"path": "/usb", "available": True, "read_only": True}]}
-    for answer in (Answer(200, full), Answer(200, {})):
+    odd = ({"storage_list": found} for found in (5, [5], [{"available": True}], {"a": 1}))
+    for answer in (Answer(200, full), Answer(200, {}), *(Answer(200, one) for one in odd)):
         with pytest.raises(HostError, match="put in a USB stick"):
             play(PrusaLink().exists("a"), answer)
 

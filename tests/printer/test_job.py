@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from printer.firmware import NAMES, Faults, Firmware
+from printer.firmware import CHECKS_NUMBERS, NAMES, Faults, Firmware
 from printer.world import World, job_for, of_the_file, program
 
 from v3dcad.errors import LocalPrinterError, SettingError
@@ -31,6 +31,9 @@ class Diary:
 
     def acknowledged(self, line: int, wire: int) -> None:
         self.told.append(("acknowledged", line, wire))
+
+    def parked(self, lift: float, retraction: float) -> None:
+        self.told.append(("parked", round(lift), round(retraction)))
 
 
 @pytest.mark.parametrize("kind", sorted(NAMES))
@@ -63,7 +66,8 @@ def test_pause_at_any_line(kind: str, line: int) -> None:
     if start is None:
         assert obeyed == FILE, "where the place is not known there is no parking"
         return
-    before = obeyed[: start - 2]
+    before = [line for line in obeyed[: start - 2] if line != "M84 S0"]
+    assert ("M84 S0" in obeyed) is (kind in CHECKS_NUMBERS)
     assert before == FILE[: len(before)]
     rest = FILE[len(before) :]
     assert obeyed[len(obeyed) - len(rest) :] == rest
@@ -99,6 +103,29 @@ def test_cancel_while_heating(emergency_parser: bool) -> None:
     assert (world.now - begun < 100) is emergency_parser
 
 
+def test_a_pause_at_the_very_end_waits_for_the_last_move_all_the_same() -> None:
+    firmware = Firmware()
+    world, job = job_for(firmware, FILE)
+    end = world.run(
+        job,
+        (lambda: "M400" in firmware.obeyed, lambda: job.pause(world.now)),
+        (lambda: job.phase == Phase.PAUSED, lambda: job.resume(world.now)),
+    )
+    assert end == End.FINISHED
+    assert "M400" in firmware.obeyed[firmware.obeyed.index("G1 E2 F1800") :]
+
+
+def test_cancel_turns_every_heater_off() -> None:
+    """The nozzle that waits as well; whatever the block for cancels says."""
+    firmware = Firmware()
+    world = World(firmware)
+    file = ["M104 T1 S150", "M140 S60", *FILE]
+    job = Job(program(file), world.shake_hands(), PortSettings(cancel_gcode="M84 ; off"))
+    cancel = (lambda: job.snapshot().line == 20, lambda: job.cancel(world.now))
+    assert world.run(job, cancel) == End.CANCELLED
+    assert of_the_file(firmware.obeyed)[-4:] == ["M84", "M104 T1 S0", "M104 S0", "M140 S0"]
+
+
 def test_cancel_while_paused() -> None:
     firmware = Firmware()
     world, job = job_for(firmware, FILE)
@@ -121,7 +148,7 @@ def test_emergency_stop_goes_first() -> None:
         job.stop()
     assert caught.value.end == End.HALTED
     data = job.data_to_send()
-    assert data.startswith(b"M112\n")
+    assert data.startswith(b"\nM112\n"), "the line before may have gone out in part"
     firmware.receive(data, 0.0)
     assert firmware.halted
 
@@ -149,8 +176,10 @@ def test_the_printer_cancels() -> None:
     def cancel() -> None:
         firmware.say("//action:cancel", world.now)
         firmware.say("//action:dance", world.now)
+        firmware.say("//action:prompt_begin Filament runout", world.now)
 
     assert world.run(job, (lambda: job.snapshot().line == 20, cancel)) == End.CANCELLED
+    assert list(job.told.messages) == ["Filament runout"]
 
 
 def test_overrides() -> None:
@@ -162,7 +191,7 @@ def test_overrides() -> None:
     )
     assert world.run(job, change) == End.FINISHED
     assert [line for line in of_the_file(firmware.obeyed) if line not in FILE] == [
-        "M220 S80", "M221 S105"
+        "M220 S80", "M221 S105", "M220 S100", "M221 S100"
     ]  # fmt: skip
     assert (job.snapshot().speed, job.snapshot().flow) == (80, 105)
     job.override(world.now, speed=70)

@@ -49,8 +49,8 @@ class Printing:
 
     def __init__(self, home: Path, *words: object, as_json: bool = True) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-c", "from v3dcad.cli import main; main()", "print",
-             *map(str, words), *(["--json"] if as_json else [])],
+            [sys.executable, "-m", "v3dcad", "print", *map(str, words),
+             *(["--json"] if as_json else [])],
             stdin=subprocess.PIPE if as_json else subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "PYTHONPATH": str(ROOT), "XDG_STATE_HOME": str(home)},
@@ -130,9 +130,9 @@ def test_pause_parks_and_comes_back(slow: PtyPrinter, file: Path, tmp_path: Path
     printing.tell(do="dance")
     code, events, _ = printing.done()
     assert code == 0
-    last = obeyed[: obeyed.index("G21")][-1]
+    last = obeyed[: obeyed.index("M84 S0")][-1]
     place = last.partition(" E")[0].removeprefix("G1 ")
-    first, after = obeyed.index("G21"), obeyed.index(f"G1 {place} F3000")
+    first, after = obeyed.index("M84 S0") + 1, obeyed.index(f"G1 {place} F3000")
     assert obeyed[first : first + 6] == ["G21", "M83", "G1 E-2 F1800", "G91", "G1 Z10 F600", "G90"]
     assert [line for line in obeyed[after:] if line != "M105"][1:8] == [
         "G1 Z0.4 F600", "M83", "G1 E2 F1800", f"G92 E{obeyed[after + 4].partition('E')[2]}",
@@ -167,6 +167,55 @@ def test_a_print_outlives_the_program_that_started_it(
         stream.close()
     assert printing.process.wait(WITHIN) == 0
     assert of_the_file(slow.firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+@pytest.mark.parametrize("as_json", [True, False])
+def test_a_print_does_not_wait_to_be_read(file: Path, tmp_path: Path, as_json: bool) -> None:
+    """The window computes, or a pager waits: more is told than the pipe holds, and nobody reads."""
+    firmware = Firmware()
+    firmware.faults.to_host = lambda line, count: b"echo:" + b"x" * 1000 + b"\n" + line
+    with PtyPrinter(firmware) as printer:
+        printing = Printing(tmp_path, file, "--port", printer.port, as_json=as_json)
+        code = printing.process.wait(WITHIN)
+        assert (code, printing.done()[2]) == (0, "")
+    assert of_the_file(firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+def test_a_print_in_a_pipe_outlives_its_reader(
+    slow: PtyPrinter, file: Path, tmp_path: Path
+) -> None:
+    """As in `v3dcad print … | head`."""
+    printing = Printing(tmp_path, file, "--port", slow.port, as_json=False)
+    assert printing.process.stdout is not None
+    printing.process.stdout.close()
+    assert printing.process.wait(WITHIN) == 0
+    assert printing.process.stderr is not None
+    with printing.process.stderr as errors:
+        assert errors.read() == ""
+    assert of_the_file(slow.firmware.obeyed)[-len(COMMANDS) :] == COMMANDS
+
+
+def test_a_name_that_is_no_text(tmp_path: Path) -> None:
+    file = tmp_path / os.fsdecode(b"part\xff.gcode")
+    file.write_text(gcode())
+    with PtyPrinter(Firmware()) as printer:
+        printing = Printing(tmp_path, file, "--port", printer.port, as_json=False)
+        out, _ = printing.process.communicate(timeout=WITHIN)
+    assert out.splitlines()[-1].split() == ["end", "finished"]
+
+
+def test_wishes_that_are_no_text_do_not_deafen(
+    slow: PtyPrinter, file: Path, tmp_path: Path
+) -> None:
+    printing = Printing(tmp_path, file, "--port", slow.port)
+    until(lambda: "G1 X20 Y11 E0.1 F1200" in slow.firmware.obeyed)
+    assert printing.process.stdin is not None
+    for nonsense in (b"\xff\n", b"[" * 4000 + b"\n", b"x" * 10_000 + b"\n"):
+        printing.process.stdin.buffer.write(nonsense)
+    printing.tell(do="cancel")
+    code, events, _ = printing.done()
+    assert code == 130
+    assert sum(event["event"] == "mistake" for event in events) == 5
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
@@ -234,7 +283,7 @@ def test_a_file_that_is_changed_meanwhile(slow: PtyPrinter, tmp_path: Path) -> N
     code, events, err = printing.done()
     assert code == 2
     assert events[-1]["end"] == "file changed"
-    assert "was changed while it was printed" in err
+    assert "was changed after it was checked" in err
     assert "G1 X999" not in slow.firmware.obeyed
     assert slow.firmware.targets == {"T": 0.0, "B": 0.0}
 
@@ -252,8 +301,8 @@ def test_killed_and_resumed_each_line_arrives_once(
     (how,) = [event for event in events if event["event"] == "resume"]
     assert how["exact"] is True
     assert "was not reset" in how["text"]
-    moves = [command for command in slow.firmware.obeyed if command.startswith("G1 X")]
-    assert moves == [command for command in COMMANDS if command.startswith("G1 X")]
+    moves = [command for command in slow.firmware.obeyed if "E0.1" in command]
+    assert moves == [command for command in COMMANDS if "E0.1" in command]
     assert slow.firmware.obeyed.count("G28") == 1
 
 

@@ -58,6 +58,11 @@ HOT = {"T": (201.3, 200.0), "B": (60.1, 60.0)}
         ("!! Must home axis first", [Failure("Must home axis first", fatal=True)]),
         ("//action:pause", [Action("pause")]),
         ("// action:resume", [Action("resume")]),
+        ("//action:prompt_begin Filament runout", [Action("prompt_begin", "Filament runout")]),
+        ("fatal:Heater error", [Failure("Heater error", fatal=True)]),
+        ("RS485 module found", [Text("RS485 module found")]),
+        ("T:" + "9" * 400, [Text("T:" + "9" * 400)]),
+        ("T:nan /200.0 B:60.1 /60.0", [Temperatures({"B": HOT["B"]})]),
         ("// Klipper state: Ready", [Text("// Klipper state: Ready")]),
         ("echo:Unknown command: \"M999\"", [Text("echo:Unknown command: \"M999\"")]),
         ("okay then", [Text("okay then")]),
@@ -105,6 +110,7 @@ def test_an_endless_line_takes_no_room() -> None:
 def test_numbered_lines() -> None:
     # The example of RepRap's G-code documentation: N3 T0*57.
     assert numbered(3, "T0") == b"N3 T0*57\n"
+    assert numbered(2, "M117 a\\b\x08c") == numbered(2, "M117 a?b?c"), "Marlin reads both otherwise"
     assert numbered(1, "M117 schön") == b"N1 M117 sch?n*" + b"%d\n" % checksum(b"N1 M117 sch?n")
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from printer.firmware import Firmware
-from printer.world import World, job_for, of_the_file, program
+from printer.world import World, job_for, of_the_file, program, state_after
 from simulated_printer import Printer
 
-from v3dcad.errors import FormatError, LocalPrinterError
+from v3dcad.errors import FormatError, LocalPrinterError, SettingError
 from v3dcad.printer import journal
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.fit import Machine, Needs, misfit
@@ -29,9 +30,9 @@ from v3dcad.printer.journal import (
     journal_of,
     read_journal,
 )
-from v3dcad.printer.machine_state import MachineState
 from v3dcad.printer.program import read_program
-from v3dcad.printer.resume import continuation
+from v3dcad.printer.progress import Phase
+from v3dcad.printer.resume import Continuation, continuation
 from v3dcad.printer.settings import PortSettings
 
 HEADER = ["M140 S60", "M104 S200", "M190 S60", "M109 S200", "G21", "G90", "G28", "M204 P500 T500",
@@ -40,13 +41,6 @@ LAYERS = [[f"G1 Z{0.2 * n:.1f} F600", *(f"G1 X{x} Y{n} E0.1 F1200" for x in rang
           for n in range(1, 6)]  # fmt: skip
 FILE = [*HEADER, *(line for layer in LAYERS for line in layer), "M104 S0", "M84"]
 ALIVE = Greeting("Marlin", {}, checks_numbers=True)
-
-
-def state_after(*commands: str) -> MachineState:
-    state = MachineState()
-    for command in commands:
-        state.follow(command)
-    return state
 
 
 MOVE = st.builds(
@@ -77,7 +71,7 @@ def test_parking_and_coming_back_changes_nothing(before: list[str], after: list[
     """A printer that parked goes on as one that did not: places, feeds, filament."""
     before = ["M109 S200", "G28", "G90", "M82", "G1 X5 Y5 Z1 F600", *before]
     state = state_after(*before)
-    aside = state.park((0.0, 200.0), 10.0, 2.0) + state.unpark(2.0)
+    aside = state.park((0.0, 200.0), 10.0, 2.0) + state.come_back(2.0)
     straight, parked = machine([*before, *after]), machine([*before, *aside, *after])
     assert parked.position == pytest.approx(straight.position)
     assert parked.e == pytest.approx(straight.e)
@@ -99,14 +93,15 @@ def test_state() -> None:
     assert (state.tool, state.fan, state.nozzle, state.bed) == ("T1", 255, 190, 70)
     assert state.kept == {"M220": "M220 S90", "SET_VELOCITY_LIMIT": "SET_VELOCITY_LIMIT ACCEL=900"}
     restored = state.after_reset(5.08)
-    assert restored[:4] == ["M140 S70", "M104 S190", "M190 S70", "M109 S190"]
+    assert restored[:4] == ["M140 S70", "M104 T1 S190", "M190 S70", "M109 T1 S190"]
     assert {"M220 S90", "T1", "M106 S255", "G28 X Y", "G20"} <= set(restored)
     assert "G28" not in restored
     state.follow("G28 X")
     assert set(state.place) == {"Y", "Z"}
     state.follow("G28")
     assert state.place == {}
-    assert state.park((0, 0), 10, 2) == state.unpark(2) == []
+    assert state.park((0, 0), 10, 2) == []
+    assert state.come_back(2) == state.heat()
     state.follow("G91")
     state.follow("G1 X5")
     assert state.place == {}, "a relative move from an unknown place"
@@ -114,8 +109,18 @@ def test_state() -> None:
     assert "M107" in state.after_reset(0.2)
     assert state_after("M104 S0").heat() == []
     assert state_after("G1 Z1").park((0, 0), 10, 2)[-1] == "G90", "x and y are not known"
+    tools = state_after(
+        "M104 S200", "M104 T1 S150", "T1", "M104 S190", "M141 S40", "T0", "G5 X+5 Y 6"
+    )
+    assert tools.nozzle == 200
+    assert tools.heat() == ["M141 S40", "M104 T1 S190", "M104 T0 S200",
+                            "M191 S40", "M109 T1 S190", "M109 T0 S200"]  # fmt: skip
+    assert set(tools.cool()) == {"M104 T0 S0", "M104 T1 S0", "M141 S0"}
+    assert tools.place == {"X": 5, "Y": 6}
+    assert state_after("M104 S200", "T3").nozzle == 200, "tools that share a nozzle"
+    assert state_after("M109 S200", "M109", "M104 S0").cool() == []
     cold = state_after("G1 X1 Y1 Z1 F600")
-    assert not [line for line in cold.park((0, 0), 10, 2) + cold.unpark(2) if "G1 E" in line]
+    assert not [line for line in cold.park((0, 0), 10, 2) + cold.come_back(2) if "G1 E" in line]
 
 
 @given(st.integers(1, len(FILE)))
@@ -151,43 +156,113 @@ def test_after_a_reset_a_layer_is_printed_from_its_start(done: int) -> None:
         )
 
 
-@given(st.integers(len(HEADER) + 3, len(FILE) - 3))
-def test_a_print_broken_off_anywhere_and_resumed_is_whole(at: int) -> None:
-    """The host is gone after some line; the board lives. Each line is obeyed once."""
-    firmware = Firmware()
-    told: list[Record] = [Record()]
+class Keeper:
+    """A journal in memory."""
 
-    class Keeper:
-        def sent(self, line: int, wire: int) -> None:
-            told.append(Record(told[-1].line, told[-1].wire, line, wire))
+    def __init__(self) -> None:
+        self.now = Record()
 
-        def acknowledged(self, line: int, wire: int) -> None:
-            sent = max(line, told[-1].sent_line)
-            told.append(Record(line, wire, sent, told[-1].sent_wire))
+    def sent(self, line: int, wire: int) -> None:
+        self.now = dataclasses.replace(self.now, sent_line=line, sent_wire=wire)
 
-    world, job = job_for(firmware, FILE, recorder=Keeper())
+    def acknowledged(self, line: int, wire: int) -> None:
+        sent_line, sent_wire = max(line, self.now.sent_line), max(wire, self.now.sent_wire)
+        self.now = Record(line, wire, sent_line, sent_wire, self.now.lift, self.now.retraction)
 
-    class GoneError(Exception):
-        pass
+    def parked(self, lift: float, retraction: float) -> None:
+        self.now = dataclasses.replace(self.now, lift=lift, retraction=retraction)
 
-    def die() -> None:
-        raise GoneError
 
-    with pytest.raises(GoneError):
-        world.run(job, (lambda: len(firmware.numbers) >= at, die))
+class GoneError(Exception):
+    """The host is gone."""
+
+
+def gone() -> None:
+    raise GoneError
+
+
+def go_on(world: World, record: Record) -> Continuation:
+    """Resume a print of FILE to its end."""
     greeting = world.shake_hands(fresh=False)
     lines = program(FILE)
-    onward = continuation(lines, told[-1], greeting)
-    assert onward.exact
+    onward = continuation(lines, record, greeting)
+    world.firmware.obeyed.clear()
     rest = Job(
         lines[onward.lines_done :], greeting, PortSettings(), before=onward.before,
         state=onward.state, lines_done=onward.lines_done, offset=onward.offset,
     )  # fmt: skip
     assert world.run(rest) == End.FINISHED
-    heating = set(HEADER[:4])
-    once = [line for line in of_the_file(firmware.obeyed) if line not in heating and
-            line != "M115"]  # fmt: skip
-    assert once == [line for line in FILE if line not in heating]
+    return onward
+
+
+@given(st.integers(len(HEADER) + 3, len(FILE) - 3))
+def test_a_print_broken_off_anywhere_and_resumed_is_whole(at: int) -> None:
+    """The host is gone after some line; the board lives. Each line is obeyed once."""
+    firmware, keeper = Firmware(), Keeper()
+    world, job = job_for(firmware, FILE, recorder=keeper)
+    with pytest.raises(GoneError):
+        world.run(job, (lambda: len(firmware.numbers) >= at, gone))
+    world.shake_hands(fresh=False)
+    first = of_the_file(firmware.obeyed)
+    first = [line for line in first if line != "M115"]
+    onward = go_on(world, keeper.now)
+    assert onward.exact
+    second = of_the_file(firmware.obeyed)
+    assert second[: len(onward.before)] == onward.before
+    assert first + second[len(onward.before) :] == FILE
+
+
+@given(st.integers(100, 125))
+def test_a_pause_broken_off_anywhere_goes_on_at_its_place(at: int) -> None:
+    """The host is gone while the nozzle goes aside, stands there, or comes back."""
+    firmware, keeper = Firmware(), Keeper()
+    world, job = job_for(firmware, FILE, recorder=keeper)
+    with pytest.raises(GoneError):
+        world.run(
+            job,
+            (lambda: job.snapshot().line >= 100, lambda: job.pause(world.now)),
+            (lambda: job.phase == Phase.PAUSED, lambda: job.resume(world.now)),
+            (lambda: len(firmware.numbers) >= at, gone),
+        )
+    before = [line for line in of_the_file(firmware.obeyed) if not line.startswith("M11")]
+    assert go_on(world, keeper.now).exact
+    both = (
+        [
+            (move.start, move.stop, move.feed)
+            for move in machine(lines).moves
+            if move.extruded == 0.1
+        ]
+        for lines in (FILE, before + firmware.obeyed)
+    )
+    for straight, broken in zip(*both, strict=True):
+        assert broken == straight
+
+
+@pytest.mark.parametrize("reset", [False, True])
+def test_a_print_that_was_paused_when_the_host_failed(reset: bool) -> None:
+    firmware, keeper = Firmware(), Keeper()
+    world, job = job_for(firmware, FILE, recorder=keeper)
+    with pytest.raises(GoneError):
+        world.run(
+            job,
+            (lambda: job.snapshot().line >= 100, lambda: job.pause(world.now)),
+            (lambda: job.phase == Phase.PAUSED, gone),
+        )
+    assert (keeper.now.lift, keeper.now.retraction) == (10, 2)
+    if reset:
+        firmware.reset()
+    onward = go_on(world, keeper.now)
+    assert onward.exact is not reset
+    if reset:
+        assert onward.before[onward.before.index("G91") - 1] == "G92 Z10.6"
+    else:
+        assert "G1 E2 F1800" in onward.before
+
+
+def test_a_printer_that_printed_something_else_since_is_not_taken_at_its_word() -> None:
+    record = Record(line=100, wire=105, sent_line=101, sent_wire=106)
+    for last in (107, 5000):
+        assert not continuation(program(FILE), record, dataclasses.replace(ALIVE, last=last)).exact
 
 
 @pytest.mark.parametrize(
@@ -206,7 +281,7 @@ def test_lines_of_ours_and_of_the_file_are_told_apart() -> None:
     between = Record(line=10, wire=12, sent_line=13, sent_wire=15)
     assert [between.line_of(wire) for wire in (11, 12, 14, 15)] == [None, 10, 12, 13]
     ours = Record(line=10, wire=12, sent_line=10, sent_wire=13)
-    assert [ours.line_of(wire) for wire in (12, 13)] == [10, 10]
+    assert [ours.line_of(wire) for wire in (12, 13, 14)] == [10, 10, None]
 
 
 def test_the_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -215,6 +290,10 @@ def test_the_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "fsync", flushed.append)
     path = tmp_path / "deep" / "a.journal"
     head = Head("/a/part.gcode", "00ff", "/dev/ttyUSB0", 115200)
+    begun = Record(7, 9, 7, 9)
+    Journal(path, Head("", "", "", 0), lambda: 0.0, begun=begun).close(done=False)
+    assert read_journal(path)[1] == begun, "what is written first is where it begins"
+    flushed.clear()
     one = Journal(path, head, lambda: next(times))
     assert read_journal(path) == (head, Record())
     assert len(flushed) == 1
@@ -234,6 +313,10 @@ def test_the_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     data[newest + 3] ^= 1
     path.write_bytes(data)
     assert read_journal(path)[1].sent_line == 58, "a torn record leaves the one before"
+    count = len(flushed)
+    one.parked(10.0, 0.5)
+    assert len(flushed) == count + 1
+    assert read_journal(path)[1] == Record(1, 1, 59, 61, 10.0, 0.5)
     one.close(done=False)
     assert path.exists()
     Journal(path, head, lambda: 0.0).close(done=True)
@@ -264,6 +347,10 @@ def test_which_journal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert broken_off(file, None) == one
     begun("/dev/ttyUSB0", instead_of=one)
     assert one.exists()
+    file = tmp_path / "second.gcode"
+    begun("/dev/ttyUSB0")
+    assert not one.exists(), "another print over the port: the printer stands elsewhere"
+    file = tmp_path / "part.gcode"
     with pytest.raises(LocalPrinterError, match="no print"):
         broken_off(tmp_path / "other.gcode", None)
 
@@ -294,15 +381,47 @@ def test_a_program(tmp_path: Path) -> None:
     lines = list(found.lines())
     assert [line.command for line in lines] == ["M109 S215", "M190 R70", "G1 X1"]
     assert [line.offset for line in lines][-1] == found.size
-    size = file.stat().st_size
-    file.write_bytes(b"x" * size)
-    with pytest.raises(PrintError, match="file changed"):
-        list(found.lines())
+    file.write_bytes(b"m0104S300\nM140 S+80 R60\n")
+    assert read_program(file).needs == Needs(None, 300.0, 80.0)
+    for text, message in ((b"G1 X1\rG1 X2\r", "CR alone"), (b"G28\nm112", "line 2: m112 stops")):
+        file.write_bytes(text)
+        with pytest.raises(FormatError, match=message):
+            read_program(file)
     with pytest.raises(FormatError, match="cannot be read"):
         read_program(tmp_path)
     file.write_bytes(b"G1 X1\n" + b" " * 5000)
     with pytest.raises(FormatError, match="line 2: this is no G-code"):
         read_program(file)
+
+
+def overwritten(file: Path) -> None:
+    file.write_bytes(b"x" * file.stat().st_size)
+
+
+def exchanged(file: Path) -> None:
+    times = file.stat()
+    (file.parent / "new").write_bytes(b"x" * times.st_size)
+    os.utime(file.parent / "new", ns=(times.st_atime_ns, times.st_mtime_ns))
+    (file.parent / "new").replace(file)
+
+
+@pytest.mark.parametrize("change", [overwritten, exchanged, Path.unlink])
+@pytest.mark.parametrize("done", [0, 1, 700])
+def test_no_line_of_a_file_that_was_changed_since_it_was_checked(
+    tmp_path: Path, change: Callable[[Path], None], done: int
+) -> None:
+    """Unless it is open already, and another one took its name: then it is printed as checked."""
+    file = tmp_path / "part.gcode"
+    file.write_text("".join(f"G1 X{n}\n" for n in range(900)))
+    lines = read_program(file).lines()
+    before = [next(lines).number for _ in range(done)]
+    change(file)
+    if done and change is not overwritten:
+        assert len(list(lines)) + done == 900
+        return
+    with pytest.raises(PrintError, match="file changed"):
+        next(lines)
+    assert len(before) == done
 
 
 BOX = Machine(bed=(200, 100), height=50, nozzle=0.4, hottest_nozzle=250, hottest_bed=80)
@@ -332,6 +451,10 @@ def test_park_places() -> None:
         with pytest.raises(Exception, match="--park-at"):
             PortSettings(park_at=wrong).park_place()
     assert PortSettings().cancel_lines() == ["M104 S0", "M140 S0", "M107", "M84"]
+    commented = PortSettings(cancel_gcode="M104 S0 ; nozzle\r\n\n; bed\nM140 S0")
+    assert commented.cancel_lines() == ["M104 S0", "M140 S0"]
+    with pytest.raises(SettingError, match="characters a line"):
+        PortSettings(cancel_gcode="M117 " + "x" * 90).cancel_lines()
 
 
 def test_a_world_of_its_own() -> None:

@@ -16,15 +16,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from printer.fake_prusalink import FakePrusaLink, Serving
 
 from v3dcad.cli import main
-from v3dcad.printer import address_book, http_link
+from v3dcad.printer import address_book, http_link, sending
 from v3dcad.printer.ends import HostError, HostFault
 from v3dcad.printer.hosts.kinds import KINDS
 from v3dcad.printer.hosts.octoprint import OctoPrint
 from v3dcad.printer.hosts.prusalink import PrusaLink
-from v3dcad.printer.hosts.requests import Answer
+from v3dcad.printer.hosts.requests import Answer, Dialogue
 from v3dcad.printer.http_link import Address, carry
 from v3dcad.printer.sending import Sending
 from v3dcad.printer.settings import HostSettings
@@ -206,6 +208,7 @@ def test_the_systems_key_store_comes_first(monkeypatch: pytest.MonkeyPatch) -> N
         (["printer", "add", "a", "--url", "http://x"], "--kind is missing"),
         (["printer", "add", "a", "--kind", "bambu", "--url", "http://x"], "octoprint or moonraker"),
         (["printer", "add", "a", "--kind", "octoprint", "--url", "x"], "write http://HOST"),
+        (["printer", "add", "a", "--kind", "octoprint", "--url", "http://me:pw@x"], "without user"),
         (["printer", "test", "nobody"], "no printer of this name (known: none yet"),
         (["printer", "remove", "nobody"], "no printer of this name"),
     ],
@@ -346,6 +349,11 @@ OK = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n"
         ),
         pytest.param(lambda connection: None, HostFault.UNREACHABLE, id="hangs-up"),
         pytest.param(
+            lambda connection: connection.sendall(OK + b"\r\n" + b"[" * 1_000_000),
+            HostFault.KIND,
+            id="deep-json",
+        ),
+        pytest.param(
             lambda connection: connection.sendall(OK + b"Content-Length: 4\r\n\r\nnull"),
             HostFault.KIND,
             id="json-of-another-kind",
@@ -368,6 +376,48 @@ def test_a_hostile_server(
         tracemalloc.stop()
     assert caught.value.fault == fault
     assert peak < 40_000_000
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_server_that_takes_no_more(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """It reads the beginning of an upload and stops."""
+    monkeypatch.setattr(http_link, "STALLED", 1.0)
+    file = tmp_path / "big.gcode"
+    file.write_bytes(b"G1 X1\n" * 4_000_000)
+    begun = time.monotonic()
+    with Hostile(lambda connection: time.sleep(20)) as server, pytest.raises(HostError) as caught:
+        carry(OctoPrint().upload("a.gcode", "", replace=False), Address(server.url), file=file)
+    assert caught.value.fault == HostFault.CUT
+    assert time.monotonic() - begun < 10
+    gc.collect()  # asyncio complains of the bytes that nobody took
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, HostError])
+def test_ctrl_c_and_changes_leave_nothing(
+    file: Path, monkeypatch: pytest.MonkeyPatch, error: type[BaseException]
+) -> None:
+    asked: list[str] = []
+
+    def carried(dialogue: Dialogue, *_: object, **options: object) -> str:
+        request = next(dialogue)
+        asked.append(request.method)
+        if request.upload and error is KeyboardInterrupt:
+            raise KeyboardInterrupt
+        if request.upload:
+            file.write_text("G1 X2\n")
+        return "where"
+
+    monkeypatch.setattr(sending, "carry", carried)
+    with pytest.raises(error):
+        Sending(OctoPrint(), Address(""), file, "", lambda count: None).send(start=True)
+    assert asked == ["POST", "DELETE"]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.text(st.characters(exclude_categories=["Cs"])))
+def test_any_text_comes_back_from_the_book(text: str) -> None:
+    address_book.add("one", HostSettings(url="http://x", user=text, profile=text))
+    assert address_book.printer("one").user == text
 
 
 def test_nobody_there(file: Path) -> None:

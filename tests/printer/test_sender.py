@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import pytest
 from printer.firmware import Faults, Firmware
 from printer.world import job_for
 
+from v3dcad.printer.drive import HEATERS_OFF
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.handshake import QUIET, Handshake
 from v3dcad.printer.lines import numbered
 from v3dcad.printer.patience import Patience
-from v3dcad.printer.sender import HURRY, Sender
+from v3dcad.printer.sender import BYTES_UNDER_WAY, HURRY, Sender
 
 PATIENCE = Patience()
 
@@ -82,19 +85,44 @@ def test_wait_makes_it_ask_at_once() -> None:
     assert sender.data_to_send() == b"\n" + numbered(1001, "M105")
 
 
-def test_a_line_that_the_printer_has_already_is_proof_that_it_has_it() -> None:
+def test_skip_proves_nothing() -> None:
+    """Repetier says it of lines that it has, and of all it does not want after a Resend."""
     sender = sender_with("G1 X1", "G1 X2")
-    sender.receive(b"skip 2\nok\n", 1.0)
+    for now in (1.0, 2.0, 3.0):
+        sender.receive(b"skip 2\nok\n", now)
+        assert sender.acknowledged == 1, "the ok is that of the skip"
+        assert sender.data_to_send() == b"\n" + numbered(1002, "M105")
+    sender.receive(b"Resend: 3\nskip 2\nok\n", 4.0)
     assert sender.acknowledged == 2
-    sender.due(2.0)
+    sender.due(5.0)
     assert sender.data_to_send() == b""
     assert sender.idle
-    sender.send("G1 X3", 3.0)
-    sender.data_to_send()
-    sender.receive(b"skip 2\nok\n", 3.0)
-    assert sender.acknowledged == 2, "the ok is that of line 2"
-    sender.due(4.0)
-    assert sender.data_to_send() == numbered(3, "G1 X3")
+
+
+def test_skipping_without_end_is_bounded() -> None:
+    sender = sender_with("G1 X1")
+    with pytest.raises(PrintError, match="no answer: the printer skips line 1"):
+        sender.receive(b"skip 1\nok\n" * 50, 1.0)
+
+
+def test_the_words_that_turn_heaters_off_find_room() -> None:
+    words = "\n" + "".join(f"{line}\n" for line in HEATERS_OFF)
+    assert BYTES_UNDER_WAY + len(words) < 128
+
+
+@pytest.mark.parametrize(
+    "words", [b"ok\n", b"ok T:20 /0\n", b"start\n", b"hello\n", b"Resend: 1\n"]
+)
+def test_hands_are_shaken_or_not_but_soon(words: bytes) -> None:
+    """A printer, or something else, that never stops talking."""
+    talk = Handshake(0.0)
+    now = 0.0
+    with contextlib.suppress(PrintError):
+        while talk.greeting is None:
+            now += 0.05
+            talk.receive(words, now)
+            talk.due(now)
+            assert now < 30, "this hangs"
 
 
 def test_start_is_a_reset() -> None:
@@ -127,7 +155,7 @@ def test_an_interrupt_goes_before_all_others() -> None:
     sender = Sender(checks_numbers=True)
     sender.send("G1 X1", 0.0)
     sender.interrupt(b"M112\n")
-    assert sender.data_to_send() == b"M112\n" + numbered(1, "G1 X1")
+    assert sender.data_to_send() == b"\nM112\n" + numbered(1, "G1 X1")
 
 
 def test_finished_is_proven() -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import select
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -85,6 +85,22 @@ def test_keys_and_live_view(tmp_path: Path) -> None:
     assert {"M220 S110", "M221 S101", "G1 E-2 F1800"} <= set(firmware.obeyed)
 
 
+def test_keys_that_are_not_for_us_do_nothing(tmp_path: Path) -> None:
+    """Shift and an arrow in some terminals ends with c; a key may be no text; Ctrl-Z stops."""
+    file = tmp_path / "part.gcode"
+    file.write_text("G28\nM83\nG1 X1 Y1 Z0.2 F600\n" + "G1 X2 E1\nG1 X1 E1\n" * 100)
+    with PtyPrinter(Firmware(seconds=lambda command: 0.02)) as printer:
+        terminal = Terminal(tmp_path, "print", file, "--port", printer.port)
+        terminal.sees("EMERGENCY STOP")
+        for keys in (b"\x1b[c", b"\x1bOs", b"\xff", b"\x1a"):
+            os.write(terminal.master, keys)
+            time.sleep(0.05)
+        terminal.press("+")
+        terminal.sees("speed 105 %")
+        assert terminal.code() == 0
+    assert not printer.firmware.halted
+
+
 @pytest.mark.parametrize(("key", "code"), [("y", 0), ("n", 1)])
 def test_resuming_asks(tmp_path: Path, key: str, code: int) -> None:
     file = tmp_path / "part.gcode"
@@ -104,10 +120,12 @@ def test_resuming_asks(tmp_path: Path, key: str, code: int) -> None:
     assert (len(firmware.numbers) > obeyed) is (key == "y")
 
 
-def run(capsys: pytest.CaptureFixture[str], *words: object, stdin: str = "") -> tuple[int, str]:
-    with pytest.MonkeyPatch.context() as patch:
+def run(capsys: pytest.CaptureFixture[str], *words: object, stdin: bytes = b"") -> tuple[int, str]:
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryFile("w+") as typed:
+        typed.buffer.write(stdin)
+        typed.seek(0)
         patch.setattr(sys, "argv", ["v3dcad", *map(str, words)])
-        patch.setattr(sys, "stdin", io.StringIO(stdin))
+        patch.setattr(sys, "stdin", typed)
         with pytest.raises(SystemExit) as stop:
             main()
     said = capsys.readouterr()
@@ -117,9 +135,9 @@ def run(capsys: pytest.CaptureFixture[str], *words: object, stdin: str = "") -> 
 def test_the_console_sends_a_pipe_line_by_line(capsys: pytest.CaptureFixture[str]) -> None:
     with PtyPrinter(Firmware()) as printer:
         words = ["console", "--port", printer.port]
-        code, said = run(capsys, *words, stdin="M115\n\nG28 ; home\nM105\n")
+        code, said = run(capsys, *words, stdin=b"M115\n\nG28 ; home\nM117 \xff\nM105\n")
     assert code == 0
-    assert printer.firmware.obeyed == ["M115", "G28 ; home", "M105"]
+    assert printer.firmware.obeyed == ["M115", "G28 ; home", "M117 ?", "M105"]
     assert said.splitlines()[0].startswith("FIRMWARE_NAME:Marlin")
     assert said.splitlines()[-1].startswith("ok T:")
     assert "give --port" in run(capsys, "console")[1]
@@ -175,9 +193,22 @@ def test_no_permission_names_the_group(tmp_path: Path) -> None:
         ("[1]", None),
         ("pause", None),
         ("{" * 5000, None),
+        ("[" * 5000, None),
     ],
 )
 def test_wishes_as_json(line: str, wish: Wish | None) -> None:
     found = wish_of(line)
     assert found == wish if wish else found.do == "mistake"
     assert len(found.text) < 200
+
+
+def test_a_console_whose_cable_is_pulled_ends_in_one_line(tmp_path: Path) -> None:
+    printer = PtyPrinter(Firmware())
+    with printer:
+        terminal = Terminal(tmp_path, "console", "--port", printer.port)
+        terminal.press("M115\n")
+        terminal.sees("FIRMWARE_NAME:Marlin")
+        printer.unplug()
+        assert terminal.code() == 2
+    assert "Traceback" not in terminal.shown
+    assert "Fatal" not in terminal.shown

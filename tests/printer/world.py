@@ -9,6 +9,7 @@ from printer.firmware import Firmware
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.handshake import Greeting, Handshake
 from v3dcad.printer.job import Job
+from v3dcad.printer.machine_state import MachineState
 from v3dcad.printer.patience import Patience
 from v3dcad.printer.progress import Line
 from v3dcad.printer.settings import PortSettings
@@ -25,6 +26,14 @@ def program(commands: Iterable[str]) -> list[Line]:
         offset += len(command) + 1
         lines.append(Line(number, command, offset))
     return lines
+
+
+def state_after(*commands: str) -> MachineState:
+    """The state that commands leave a machine in."""
+    state = MachineState()
+    for command in commands:
+        state.follow(command)
+    return state
 
 
 class World:

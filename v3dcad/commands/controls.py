@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import queue
 import signal
 import sys
@@ -19,6 +20,10 @@ CANCELLING = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 ]
 """Signals that ask for an end; Windows has no SIGHUP."""
+IGNORED = [signal.SIGTSTP] if hasattr(signal, "SIGTSTP") else []
+"""What Ctrl-Z sends."""
+LONGEST = 4096
+"""Bytes of a wish; of a longer line each piece is a mistake."""
 DOES = {"pause", "resume", "cancel", "stop"}
 SETS = {"speed", "flow"}
 
@@ -63,7 +68,7 @@ def wish_of(line: str) -> Wish:
             return Wish(do)
         if do in SETS and isinstance(asked["percent"], int):
             return Wish(do, asked["percent"])
-    except (ValueError, TypeError, KeyError):
+    except (ValueError, TypeError, KeyError, RecursionError):
         pass
     known = ", ".join(sorted(DOES | SETS))
     return Wish("mistake", text=f'{line.strip()[:80]}: write {{"do": …}} with one of {known}')
@@ -72,6 +77,8 @@ def wish_of(line: str) -> Wish:
 @contextlib.contextmanager
 def listening(*, as_json: bool) -> Iterator[Controls]:
     """Controls that hear Ctrl-C, SIGTERM and a closed terminal as cancel, and standard input.
+
+    Ctrl-Z is ignored: a host that stands still leaves a hot nozzle on the part.
 
     Standard input is JSON lines for a program, single keys at a terminal, and otherwise not read.
     A second Ctrl-C breaks off at once (KeyboardInterrupt).
@@ -83,30 +90,40 @@ def listening(*, as_json: bool) -> Iterator[Controls]:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
     before = {number: signal.signal(number, cancel) for number in CANCELLING}
+    for number in IGNORED:
+        before[number] = signal.signal(number, signal.SIG_IGN)
     try:
         with _keys(sys.stdin) if not as_json else contextlib.nullcontext(False) as keys:
             if as_json or keys:
+                # Not through `sys.stdin`: Python cannot end while a thread waits inside it.
+                words = (sys.stdin.fileno(), controls)
                 target = _hear_json if as_json else _hear_keys
-                threading.Thread(target=target, args=(sys.stdin, controls), daemon=True).start()
+                threading.Thread(target=target, args=words, daemon=True).start()
             yield controls
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def _hear_json(stream: TextIO, controls: Controls) -> None:
-    for line in stream:
-        if line.strip():
-            controls.put(wish_of(line))
+def _hear_json(stdin: int, controls: Controls) -> None:
+    with open(stdin, "rb", buffering=0, closefd=False) as stream:
+        while line := stream.readline(LONGEST):
+            if line.strip():
+                controls.put(wish_of(line.decode(errors="replace")))
 
 
-def _hear_keys(stream: TextIO, controls: Controls) -> None:
-    while key := stream.read(1):
-        if key in KEYS:
-            controls.put(Wish(KEYS[key]))
-        elif key in MORE_KEYS:
-            do, percent = MORE_KEYS[key]
-            controls.put(Wish(do, percent, relative=True))
+def _hear_keys(stdin: int, controls: Controls) -> None:
+    """Keys as they arrive. What begins with Escape is an arrow or the like, whose last letter may
+    be a c or an s.
+    """
+    with contextlib.suppress(OSError):  # the terminal is gone
+        while keys := os.read(stdin, LONGEST).decode(errors="replace"):
+            for key in keys if not keys.startswith("\x1b") else "":
+                if key in KEYS:
+                    controls.put(Wish(KEYS[key]))
+                elif key in MORE_KEYS:
+                    do, percent = MORE_KEYS[key]
+                    controls.put(Wish(do, percent, relative=True))
 
 
 @contextlib.contextmanager
@@ -126,4 +143,5 @@ def _keys(stream: TextIO) -> Iterator[bool]:
         tty.setcbreak(stream)
         yield True
     finally:
-        termios.tcsetattr(stream, termios.TCSADRAIN, before)
+        with contextlib.suppress(termios.error):  # the terminal is gone
+            termios.tcsetattr(stream, termios.TCSADRAIN, before)

@@ -78,8 +78,10 @@ def _talk(link: Link, stream: TextIO) -> None:
     typed: queue.SimpleQueue[str | None] = queue.SimpleQueue()
 
     def listen() -> None:
-        for line in stream:
-            typed.put(line)
+        # Not through `stream`: Python cannot end while a thread waits inside it.
+        with open(stream.fileno(), "rb", buffering=0, closefd=False) as raw:
+            for line in raw:
+                typed.put(line.decode("latin-1"))
         typed.put(None)
 
     threading.Thread(target=listen, daemon=True).start()
@@ -88,7 +90,7 @@ def _talk(link: Link, stream: TextIO) -> None:
     asked_at: float | None = None
     while True:
         for line in splitter.feed(link.read()):
-            typer.echo(line)
+            typer.echo("".join(one if one.isprintable() or one == "\t" else "?" for one in line))
             if any(isinstance(reply, Ok) for reply in parse(line)):
                 asked_at = None
         if waits and asked_at is not None:

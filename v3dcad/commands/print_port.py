@@ -14,7 +14,16 @@ import typer
 
 from v3dcad.commands.controls import Controls, Wish, listening
 from v3dcad.commands.ports import PortName, named
-from v3dcad.commands.print_view import EVERY, Extent, JsonView, LiveView, PlainView, Sight, View
+from v3dcad.commands.print_view import (
+    EVERY,
+    Aside,
+    Extent,
+    JsonView,
+    LiveView,
+    PlainView,
+    Sight,
+    View,
+)
 from v3dcad.errors import LocalPrinterError, SettingError
 from v3dcad.options import given, with_options
 from v3dcad.printer.settings import PortSettings
@@ -57,7 +66,7 @@ def print_file(
     from v3dcad.commands.gcode_check import checked, machine_of
 
     chosen = PortSettings(**given(PortSettings, settings))
-    chosen.park_place()
+    chosen.park_place(), chosen.cancel_lines()
     program, summary = checked(file, machine_of(profile))
     extent = Extent(file.name, program.size, program.commands, summary.layers, summary.time_s)
     before = None
@@ -148,27 +157,29 @@ class _Printing:
         from v3dcad.printer.drive import run_job
         from v3dcad.printer.ends import PrintError
         from v3dcad.printer.job import Job
-        from v3dcad.printer.journal import Head, Journal, journal_of
+        from v3dcad.printer.journal import Head, Journal, Record, journal_of
 
         path = self.program.path
         head = Head(str(path.resolve()), self.program.sha256, self.link.port, baud)
-        journal = Journal(
-            journal_of(path, self.link.port), head, time.monotonic, instead_of=earlier_journal
-        )
         done_before = onward.lines_done if onward else 0
-        job = Job(
-            (line for line in self.program.lines() if line.number > done_before),
-            greeting,
-            self.settings,
-            recorder=journal,
-            before=onward.before if onward else (),
-            state=onward.state if onward else None,
-            lines_done=done_before,
-            offset=onward.offset if onward else 0,
-        )
-        turn = _Turn(job, self)
+        begun = Record(done_before, greeting.last, done_before, greeting.last)
+        journal = Journal(
+            journal_of(path, self.link.port), head, time.monotonic,
+            begun=begun, instead_of=earlier_journal,
+        )  # fmt: skip
         done = False
         try:
+            job = Job(
+                (line for line in self.program.lines() if line.number > done_before),
+                greeting,
+                self.settings,
+                recorder=journal,
+                before=onward.before if onward else (),
+                state=onward.state if onward else None,
+                lines_done=done_before,
+                offset=onward.offset if onward else 0,
+            )
+            turn = _Turn(job, self)
             end = run_job(job, self.link, each_turn=turn)
             done = True
         except PrintError as error:
@@ -250,8 +261,8 @@ def _broken_off(program: Program, port: str | None) -> _Before:
 
 def _view(as_json: bool) -> View:
     if as_json:
-        return JsonView()
-    return LiveView() if sys.stderr.isatty() and sys.stdout.isatty() else PlainView()
+        return Aside(JsonView())
+    return Aside(LiveView() if sys.stderr.isatty() and sys.stdout.isatty() else PlainView())
 
 
 @contextmanager

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import queue
 import sys
+import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
-
-import typer
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -17,6 +19,12 @@ if TYPE_CHECKING:
 
 EVERY = 1.0
 """Seconds between two looks at a print, live or in JSON."""
+MOST_UNREAD = 1000
+"""Things that wait to be shown where nobody reads; later ones are left out."""
+OLD = 10
+"""Things that wait to be shown, after which progress is left out until they are."""
+LAST_WORD = 2.0
+"""Seconds that are given at the end to what still waits to be shown."""
 HELP = "p pause   r resume   c cancel   s EMERGENCY STOP   + - speed   < > flow"
 
 
@@ -71,12 +79,49 @@ class View(Protocol):
         """Show how far the print is; called every `EVERY` seconds and at the end."""
 
 
-class JsonView:
-    """One JSON object a line on standard output; docs/printing.md lists them.
+class Aside:
+    """Has another view show a print, in a thread of its own.
 
-    Where nobody reads any more, as when the program that started the print has crashed, the print
-    goes on untold.
+    Writing waits as long as nobody reads: a window that computes, a pager, a terminal stopped with
+    Ctrl-S. The print does not wait for it. Where nobody can read any more, as when the program that
+    started the print has crashed, it goes on untold.
     """
+
+    def __init__(self, view: View) -> None:
+        self._view = view
+        self._todo: queue.Queue[Callable[[], None] | None] = queue.Queue(MOST_UNREAD)
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def __enter__(self) -> Aside:
+        self._view.__enter__()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with contextlib.suppress(queue.Full):
+            self._todo.put(None, timeout=LAST_WORD)
+        self._thread.join(LAST_WORD)
+
+    def say(self, event: str, **values: Any) -> None:
+        """One event."""
+        with contextlib.suppress(queue.Full):
+            self._todo.put_nowait(lambda: self._view.say(event, **values))
+
+    def show(self, sight: Sight) -> None:
+        """Progress; left out while what was told before is not read, since it grows old."""
+        if self._todo.qsize() < OLD or sight.snapshot.end is not None:
+            with contextlib.suppress(queue.Full):
+                self._todo.put_nowait(lambda: self._view.show(sight))
+
+    def _run(self) -> None:
+        with contextlib.suppress(OSError):
+            while todo := self._todo.get():
+                todo()
+            self._view.__exit__()
+
+
+class JsonView:
+    """One JSON object a line on standard output; docs/printing.md lists them."""
 
     def __enter__(self) -> JsonView:
         return self
@@ -85,10 +130,7 @@ class JsonView:
 
     def say(self, event: str, **values: Any) -> None:
         """One event."""
-        try:
-            typer.echo(json.dumps({"event": event, **values}))
-        except BrokenPipeError:
-            sys.stdout = open(os.devnull, "w")  # noqa: SIM115, lives as long as the process
+        _write(json.dumps({"event": event, **values}))
 
     def show(self, sight: Sight) -> None:
         """Progress."""
@@ -128,14 +170,14 @@ class PlainView:
 
     def say(self, event: str, **values: Any) -> None:
         """One event."""
-        typer.echo(f"{event:<12}  {told(values)}")
+        _write(f"{event:<12}  {told(values)}")
 
     def show(self, sight: Sight) -> None:
         """Progress, when layer or phase have changed."""
         now = sight.snapshot
         if (now.phase, now.layer) != self._last:
             self._last = (now.phase, now.layer)
-            typer.echo(f"{now.phase:<12}  {summary(sight)}")
+            _write(f"{now.phase:<12}  {summary(sight)}")
 
 
 class LiveView:
@@ -173,6 +215,16 @@ class LiveView:
         table.add_row("", overrides)
         table.add_row("", HELP)
         return table
+
+
+def _write(text: str) -> None:
+    """A line on standard output.
+
+    Without `print`, whose buffer has a lock: Python cannot end while a thread that waits has it.
+    """
+    data = (text + "\n").encode(sys.stdout.encoding, "backslashreplace")
+    while data:
+        data = data[os.write(sys.stdout.fileno(), data) :]
 
 
 def told(values: dict[str, Any]) -> str:

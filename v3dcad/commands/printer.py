@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -39,8 +40,10 @@ def add(name: Name, **settings: Any) -> None:
         if needed not in chosen:
             raise SettingError(needed, f"--{needed} is missing; see v3dcad printer add --help")
     new = HostSettings(**chosen)
-    if not new.url.startswith(("http://", "https://")):
-        raise SettingError("url", f"--url {new.url}: write http://HOST or https://HOST")
+    if not re.fullmatch(r"https?://[^@?#\s]+", new.url):
+        raise SettingError(
+            "url", "--url: write http://HOST or https://HOST, without user, password, ? and #"
+        )
     _machine(new)
     secret = _secret("password" if new.user else "key")
     file = address_book.add(name, new)

@@ -115,8 +115,9 @@ def _write(entries: dict[str, HostSettings]) -> None:
     for name in sorted(entries):
         lines.append(f"\n[{json.dumps(name)}]\n")
         for field, value in asdict(entries[name]).items():
-            # JSON's texts and numbers are TOML's as well.
-            lines.append(f"{field} = {json.dumps(value)}\n")
+            # JSON's texts and numbers are TOML's as well, but for letters as two numbers, and DEL.
+            text = json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+            lines.append(f"{field} = {text}\n")
     _private(folder() / "printers.toml", "".join(lines))
 
 
@@ -126,7 +127,9 @@ def _key_path() -> Path:
 
 def _key_file() -> dict[str, str]:
     try:
-        found = json.loads(_key_path().read_text(encoding="utf-8"))
+        found: object = json.loads(_key_path().read_text(encoding="utf-8"))
+        if not isinstance(found, dict):
+            raise ValueError("no names in it")
     except FileNotFoundError:
         return {}
     except (OSError, ValueError) as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from v3dcad.errors import PrinterError
@@ -13,7 +13,7 @@ from v3dcad.printer.job import Job
 
 BAUDS = (115200, 250000, 57600, 230400, 500000, 1_000_000, 19200, 9600)
 """Rates that printers use, the most used first."""
-HEATERS_OFF = b"\nM104 S0\nM140 S0\n"
+HEATERS_OFF = ("M104 S0", "M140 S0")
 LISTEN = 1.0
 """Seconds that a port stays open after a bad end, so that the last bytes get out."""
 
@@ -133,21 +133,28 @@ def run_job(
         job.start(clock())
         converse(job, link, lambda: job.end is not None, each_turn=each_turn, clock=clock)
     except PrinterError as error:
-        sent = turn_heaters_off(link, job.data_to_send(), clock)
+        sent = turn_heaters_off(link, job.data_to_send(), job.state.cool(), clock)
         if isinstance(error, PrintError):
             raise PrintError(error.end, f"{error.message}; {sent}") from error
         raise
     except BaseException:
-        turn_heaters_off(link, job.data_to_send(), clock)
+        turn_heaters_off(link, job.data_to_send(), job.state.cool(), clock)
         raise
     assert job.end is not None
     return job.end
 
 
-def turn_heaters_off(link: Link, first: bytes = b"", clock: Clock = time.monotonic) -> str:
-    """Try to turn the heaters off, after bytes that are still due; what became of it, in words."""
+def turn_heaters_off(
+    link: Link, first: bytes = b"", more: Sequence[str] = (), clock: Clock = time.monotonic
+) -> str:
+    """Try to turn the heaters off, after bytes that are still due; what became of it, in words.
+
+    `more` turns off further nozzles and heaters. The line feed before all ends a line that may have
+    gone out in part.
+    """
+    lines = ["", *dict.fromkeys([*HEATERS_OFF, *more]), ""]
     try:
-        link.write(first + HEATERS_OFF)
+        link.write(first + "\n".join(lines).encode())
         until = clock() + LISTEN
         while clock() < until:
             link.read()

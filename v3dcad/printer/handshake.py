@@ -37,6 +37,8 @@ PROBES = (PROBE, PROBE + 1000)
 """So that one of them is no such number, whatever that line is."""
 QUIET = 0.2
 """Seconds without a word after which all answers are taken to be here."""
+RESETS = 3
+"""How often a board may say `start`; more is no boot but a fault."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,8 @@ class Handshake:
         self._ok = False
         self._firmware = ""
         self._capabilities: dict[str, bool] = {}
-        self._was_reset = False
+        self._resets = 0
+        self._answered_by: float | None = None
         self._last: int | None = None
         self._splitter = LineSplitter()
         self._outgoing = bytearray()
@@ -113,7 +116,7 @@ class Handshake:
                 dict(self._capabilities),
                 checks_numbers=self._last is not None,
                 last=self._last or 0,
-                was_reset=self._was_reset,
+                was_reset=self._resets > 0,
             )
         elif self._ok:
             self._step = "count" if self._step == "hello" and self._fresh else "probe"
@@ -138,6 +141,7 @@ class Handshake:
     def _ask(self, now: float) -> None:
         self._asked += 1
         self._wake = now + self._again
+        self._answered_by = None
         if self._step == "hello":
             self._outgoing += b"\nM115\n"
         elif self._step == "count":
@@ -151,19 +155,29 @@ class Handshake:
             return
         self.words += 1
         if self._ok:
-            self._wake = now + QUIET
+            self._settle(now)
         match reply:
             case Started():
-                self._was_reset = True
+                self._resets += 1
+                if self._resets > RESETS:
+                    raise PrintError(
+                        End.HALTED, "the board is reset again and again; check its power supply"
+                    )
                 self._asked = min(self._asked, self._tries - 1)
                 self._wake = now + QUIET
             case Failure(text, fatal=True):
                 raise PrintError(End.HALTED, f"the printer reports: {text}")
             case Ok() | Resend():
                 self._ok = True
-                self._wake = now + QUIET
+                self._settle(now)
                 if isinstance(reply, Resend) and self._step == "probe":
                     self._last = reply.number - 1
+
+    def _settle(self, now: float) -> None:
+        """Wait until all answers are here; not for ever, where a printer never stops talking."""
+        if self._answered_by is None:
+            self._answered_by = now + self._again
+        self._wake = min(now + QUIET, self._answered_by)
 
     def _told(self, line: str) -> None:
         if line.lower().startswith("grbl "):

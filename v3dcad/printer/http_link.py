@@ -8,6 +8,7 @@ a redirect is never followed: the key goes to the address that was given and now
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import io
 import json
 from collections.abc import Callable
@@ -29,7 +30,7 @@ TOTAL = 30.0
 """Seconds that a request may take, from name look-up to the answer's last byte."""
 CONNECT = 10.0
 STALLED = 60.0
-"""Seconds without progress after which an upload is given up."""
+"""Seconds in which no block of an upload is taken, or no answer comes to it; it is given up."""
 SLOWEST = 10_000.0
 """Bytes a second below which an upload is given up as a whole."""
 TRIES = 3
@@ -136,20 +137,32 @@ async def _once(
     timeout = aiohttp.ClientTimeout(
         total=TOTAL + size / SLOWEST, connect=CONNECT, sock_read=STALLED if size else TOTAL
     )
-    body = _Watched(file, progress) if request.upload and file else None
+    loop = asyncio.get_running_loop()
+    stalled = asyncio.timeout(None)
+
+    def moved(count: int) -> None:
+        """A block was taken, in whatever thread: the time without progress begins anew."""
+        progress(count)
+        limit = loop.time() + STALLED if count else None
+        loop.call_soon_threadsafe(_restart, stalled, limit)
+
+    body = _Watched(file, moved) if request.upload and file else None
     try:
-        async with session.request(
-            request.method,
-            url.rstrip("/") + request.path,
-            params=request.query or None,
-            headers=request.headers,
-            json=request.json,
-            data=_form(request, body),
-            timeout=timeout,
-            allow_redirects=False,
-        ) as response:
+        async with (
+            stalled,
+            session.request(
+                request.method,
+                url.rstrip("/") + request.path,
+                params=request.query or None,
+                headers=request.headers,
+                json=request.json,
+                data=_form(request, body),
+                timeout=timeout,
+                allow_redirects=False,
+            ) as response,
+        ):
             if 300 <= response.status < 400:
-                where = response.headers.get("Location", "elsewhere")[:200]
+                where = Answer(0, {"to": response.headers.get("Location", "elsewhere")}).words("to")
                 raise HostError(
                     HostFault.HOSTILE,
                     f"{url} sends on to {where}, where the key does not go; if that is the "
@@ -161,6 +174,11 @@ async def _once(
     finally:
         if body is not None:
             body.close()
+
+
+def _restart(timeout: asyncio.Timeout, limit: float | None) -> None:
+    with contextlib.suppress(RuntimeError):  # the request is over
+        timeout.reschedule(limit)
 
 
 def _form(request: Request, body: _Watched | None) -> aiohttp.FormData | _Watched | None:
@@ -185,7 +203,7 @@ async def _bounded(response: aiohttp.ClientResponse, url: str) -> bytes:
 def _json(data: bytes) -> object:
     try:
         found: object = json.loads(data)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return found
 

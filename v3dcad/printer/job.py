@@ -33,7 +33,11 @@ REPORT = "M155 S2"
 """Have Marlin report temperatures every 2 s (its AUTOREPORT_TEMP)."""
 
 ALL_DONE = "M400"
-"""Wait until the last move is made: the port may reset the board when it is closed."""
+"""Wait until the last move is made: the port may reset the board when it is closed, and a nozzle is
+parked only when it is there."""
+MOTORS_STAY_ON = "M84 S0"
+"""Marlin and Repetier turn motors off after some minutes without a move; then a part may shift.
+Klipper takes this for an M84, and is not told."""
 LAST_WORD = 300.0
 """Seconds of silence, after which a printer that says no temperatures at the end is taken to be
 done. Repetier says ok to M400 when it has it; only the answer to M105 comes after the last move."""
@@ -139,19 +143,22 @@ class Job:
         if self.phase == Phase.PAUSED:
             self.phase = Phase.RESUMING
             if self._parked:
-                self._own.extend(self.state.unpark(self.settings.park_retraction))
+                self._own.extend(self.state.come_back(self.settings.park_retraction))
+                self._note_parked(0.0, 0.0)
             self._parked = False
+            self._all_done_sent, self._last_word_by = False, None
             self._go_on(now)
 
     def cancel(self, now: float) -> None:
-        """End the print: lines that the printer has are obeyed, then heaters go off.
+        """End the print: lines that the printer has are obeyed, then all heaters go off.
 
         A printer that is heating is told to wait no longer (M108), if it can hear that.
         """
         if self.phase in (Phase.CANCELLING, Phase.ENDED):
             return
         self.phase = Phase.CANCELLING
-        self._own = deque(self.settings.cancel_lines())
+        lines = [*self.settings.cancel_lines(), *self.state.cool(), *self._as_before()]
+        self._own = deque(dict.fromkeys(lines))
         if self.greeting.can("EMERGENCY_PARSER"):
             self.sender.interrupt(b"M108\n")
         self._go_on(now)
@@ -209,7 +216,9 @@ class Job:
                     self._unanswered = max(0, self._unanswered - bool(heaters))
                 case Text(text) | Failure(text, about_line=False):
                     self.told.messages.append(text)
-                case Action(name):
+                case Action(name, text):
+                    if text:
+                        self.told.messages.append(text)
                     self._asked_for(name, now)
 
     def _asked_for(self, action: str, now: float) -> None:
@@ -272,6 +281,8 @@ class Job:
                 self._park = False
             case Phase.PAUSING:
                 self.phase = Phase.PAUSED
+                if self._parked:
+                    self._note_parked(self.settings.park_lift, self.settings.park_retraction)
             case Phase.RESUMING:
                 self.phase = Phase.PRINTING
             case Phase.FINISHING if not self._done(now):
@@ -286,7 +297,7 @@ class Job:
         """Whether the last move is made; sees to it that the printer says so."""
         if not self._all_done_sent:
             self._all_done_sent = True
-            self._own.append(ALL_DONE)
+            self._own.extend([*self._as_before(), ALL_DONE])
         elif self._last_word_by is None:
             self._last_word_by = now + LAST_WORD
             self._ask(now)
@@ -309,7 +320,18 @@ class Job:
 
     def _parking(self) -> list[str]:
         settings = self.settings
-        return self.state.park(settings.park_place(), settings.park_lift, settings.park_retraction)
+        lines = self.state.park(settings.park_place(), settings.park_lift, settings.park_retraction)
+        stay = [MOTORS_STAY_ON] if self.greeting.checks_numbers else []
+        return [*stay, *lines, ALL_DONE] if lines else []
+
+    def _as_before(self) -> list[str]:
+        """Lines that take the overrides back, which would hold for the next print."""
+        lines = ["M220 S100"] if self.speed != 100 else []
+        return [*lines, "M221 S100"] if self.flow != 100 else lines
+
+    def _note_parked(self, lift: float, retraction: float) -> None:
+        if self._recorder is not None:
+            self._recorder.parked(lift, retraction if self.state.nozzle else 0.0)
 
     def _send(self, line: int, command: str, now: float) -> None:
         """Send a command, written down before; `line` is the file's last one up to it."""

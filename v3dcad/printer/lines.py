@@ -14,6 +14,7 @@ from operator import xor
 
 NUMBERED = re.compile(r"^N\d+\s*", re.I)
 CHECKSUM = re.compile(r"\s*\*\d+\s*$")
+UNSAFE = re.compile(r"[^ -\[\]-~]")
 LONGEST = 95
 """Characters of a line that every firmware can read whole: Marlin's MAX_CMD_SIZE is 96."""
 
@@ -55,7 +56,8 @@ def checksum(text: bytes) -> int:
 def numbered(number: int, command: str) -> bytes:
     """A command as the bytes of a numbered line with its checksum.
 
-    Letters outside ASCII, which may stand in a message for the display, become question marks.
+    Letters outside ASCII, which may stand in a message for the display, become question marks; so
+    do control characters and the backslash, which Marlin leaves out before it adds up the checksum.
     """
-    text = f"N{number} {command}".encode("ascii", "replace")
+    text = UNSAFE.sub("?", f"N{number} {command}").encode()
     return b"%b*%d\n" % (text, checksum(text))

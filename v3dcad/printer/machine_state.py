@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 
 from v3dcad.printer.lines import name_of
 
-WORD = re.compile(r"([A-Z])(-?(?:\d+\.?\d*|\.\d+))")
-MOVES = frozenset(("G0", "G1", "G2", "G3"))
+WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+MOVES = frozenset(("G0", "G1", "G2", "G3", "G5"))
 KEPT = """
     M92 M200 M201 M203 M204 M205 M207 M208 M209 M220 M221 M301 M302 M304 M566 M572 M900
     SET_PRESSURE_ADVANCE SET_VELOCITY_LIMIT
@@ -24,6 +24,8 @@ LIFT = 2.0
 TRAVEL, RISE = 3000.0, 600.0
 """mm/min of moves to and from a place beside the part."""
 INCH = 25.4
+FIRST = "T0"
+"""The tool in use until a file takes another."""
 
 
 @dataclass(slots=True)
@@ -39,8 +41,10 @@ class MachineState:
     absolute: bool = True
     absolute_e: bool = True
     inches: bool = False
-    nozzle: float | None = None
+    nozzles: dict[str, float] = field(default_factory=dict)
+    """°C of each nozzle, by its tool; the one set last is the last"""
     bed: float | None = None
+    chamber: float | None = None
     fan: float = 0.0
     """0 to 255"""
     tool: str = ""
@@ -53,7 +57,14 @@ class MachineState:
 
     def copy(self) -> MachineState:
         """The same state, to be kept."""
-        return replace(self, place=dict(self.place), kept=dict(self.kept))
+        return replace(
+            self, place=dict(self.place), nozzles=dict(self.nozzles), kept=dict(self.kept)
+        )
+
+    @property
+    def nozzle(self) -> float | None:
+        """What the nozzle in use should have, °C. Tools may share one that was set for another."""
+        return self.nozzles.get(self.tool or FIRST, next(reversed(self.nozzles.values()), None))
 
     def follow(self, command: str) -> None:
         """Take one command. What is not understood changes nothing."""
@@ -73,9 +84,14 @@ class MachineState:
         elif name == "G28":
             self._home(command)
         elif name in ("M104", "M109"):
-            self.nozzle = _temperature(command, self.nozzle)
+            number = _words(command).get("T")
+            tool = (self.tool or FIRST) if number is None else f"T{number:g}"
+            wanted = temperature(command, self.nozzles.pop(tool, None))
+            self.nozzles |= {} if wanted is None else {tool: wanted}
         elif name in ("M140", "M190"):
-            self.bed = _temperature(command, self.bed)
+            self.bed = temperature(command, self.bed)
+        elif name in ("M141", "M191"):
+            self.chamber = temperature(command, self.chamber)
         elif name in ("M106", "M107"):
             self.fan = _words(command).get("S", 255.0) if name == "M106" else 0.0
         elif name.startswith("T") and name[1:].isdigit():
@@ -96,10 +112,13 @@ class MachineState:
             lines += [f"G1 X{place[0]:g} Y{place[1]:g} F{TRAVEL:g}"]
         return lines
 
-    def unpark(self, retraction: float) -> list[str]:
-        """Lines that undo `park`: back to the place, then modes, coordinate and feed."""
+    def come_back(self, retraction: float) -> list[str]:
+        """Lines that undo `park`: heat, back to the place, then modes, coordinate and feed.
+
+        `retraction` is how much filament is pulled back. A nozzle that is at its place stays there.
+        """
         if "Z" not in self.place:
-            return []
+            return self.heat()
         return [
             *self.heat(),
             "G21",
@@ -110,12 +129,29 @@ class MachineState:
         ]
 
     def heat(self) -> list[str]:
-        """Lines that heat bed and nozzle to what they should have, and wait."""
-        lines = []
-        for begin, wait, wanted in (("M140", "M190", self.bed), ("M104", "M109", self.nozzle)):
-            if wanted:
-                lines += [f"{begin} S{wanted:g}", f"{wait} S{wanted:g}"]
-        return [*lines[::2], *lines[1::2]]
+        """Lines that heat all to what they should have, and wait."""
+        heaters = [("M140", "M190", "", self.bed), ("M141", "M191", "", self.chamber)]
+        # The one in use comes last: RepRapFirmware takes the tool that it waits for.
+        heaters += [
+            ("M104", "M109", self._named(tool), self.nozzles[tool])
+            for tool in sorted(self.nozzles, key=(self.tool or FIRST).__eq__)
+        ]
+        heaters = [heater for heater in heaters if heater[3]]
+        return [
+            *(f"{begin}{tool} S{wanted:g}" for begin, _, tool, wanted in heaters),
+            *(f"{wait}{tool} S{wanted:g}" for _, wait, tool, wanted in heaters),
+        ]
+
+    def cool(self) -> list[str]:
+        """Lines that turn off the heaters that the file has turned on."""
+        hot = [tool for tool, wanted in self.nozzles.items() if wanted]
+        lines = [f"M104{self._named(tool)} S0" for tool in hot]
+        lines += ["M140 S0"] if self.bed else []
+        return [*lines, "M141 S0"] if self.chamber else lines
+
+    def _named(self, tool: str) -> str:
+        """A tool as it is named in a command; a file without tools needs no names."""
+        return f" {tool}" if self.tool or tool != FIRST else ""
 
     def after_reset(self, height: float) -> list[str]:
         """Lines that put a printer which was reset into this state, over a part on the bed.
@@ -140,7 +176,7 @@ class MachineState:
 
     def _feed(self, length: float) -> list[str]:
         """Filament moved, unless the nozzle may be cold: Klipper takes that for an error."""
-        return ["M83", f"G1 E{length:g} F1800"] if self.nozzle else []
+        return ["M83", f"G1 E{length:g} F1800"] if self.nozzle and length else []
 
     def _go(self) -> list[str]:
         flat = [f"{axis}{self.place[axis]:.10g}" for axis in "XY" if axis in self.place]
@@ -190,6 +226,7 @@ def _words(command: str) -> dict[str, float]:
     return {letter: float(value) for letter, value in WORD.findall(command.upper())}
 
 
-def _temperature(command: str, before: float | None) -> float | None:
+def temperature(command: str, before: float | None = None) -> float | None:
+    """°C that a command asks for; `before` if it names none."""
     words = _words(command)
     return words.get("S", words.get("R", before))

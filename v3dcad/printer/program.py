@@ -1,7 +1,7 @@
 """The file that is printed: checked before the first byte goes out, then read a line at a time.
 
-However long the file is, one block of it is in memory. Whoever changes it while it is printed
-is found out: its size and time are looked at on the way, and its content is compared at the end.
+However long the file is, one block of it is in memory. Whoever changes it after it was checked is
+found out: its size and time are looked at with every line, its content is compared at the end.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from v3dcad.errors import FormatError
 from v3dcad.printer.ends import End, PrintError
 from v3dcad.printer.fit import Needs
 from v3dcad.printer.lines import LONGEST, command_of, name_of
+from v3dcad.printer.machine_state import temperature
 from v3dcad.printer.progress import Line
 
-LOOK_EVERY = 1000
-"""Lines after which is looked whether the file has changed."""
 MOST_LINE = 4096
 NOZZLE = re.compile(rb";\s*nozzle_diameter\s*=\s*(\d+(?:\.\d+)?)")
 """How slicers of the PrusaSlicer family name the nozzle."""
-HEATS = re.compile(r"M(104|109|140|190)\b.*?[SR](\d+(?:\.\d+)?)")
+HEATS = {"M104": "T", "M109": "T", "M140": "B", "M190": "B"}
+"""Commands that heat nozzle or bed. What macros do is not known."""
 NOT_TO_PRINT = {
     "M28": "writes to the printer's card",
     "M29": "writes to the printer's card",
@@ -50,6 +50,8 @@ class Program:
     longest_at: int
     """its line in the file"""
     needs: Needs
+    stamp: tuple[int, ...]
+    """which file it was, its size and when it was last changed"""
 
     def check_length(self) -> None:
         """Raise `FormatError` if a command is longer than a small board's buffer for lines.
@@ -72,22 +74,26 @@ class Program:
         """
         digest = hashlib.sha256()
         number = offset = 0
-        with self.path.open("rb") as stream:
-            known = _stamp(stream)
-            for count, raw in enumerate(stream):
-                if count % LOOK_EVERY == 0 and _stamp(stream) != known:
-                    raise self._changed(number)
-                digest.update(raw)
-                offset += len(raw)
-                command = command_of(raw.decode("latin-1"))
-                if command:
-                    number += 1
-                    yield Line(number, command, offset)
+        try:
+            with self.path.open("rb") as stream:
+                for raw in stream:
+                    if _stamp(stream) != self.stamp:
+                        raise self._changed(number)
+                    digest.update(raw)
+                    offset += len(raw)
+                    command = command_of(raw.decode("latin-1"))
+                    if command:
+                        number += 1
+                        yield Line(number, command, offset)
+        except OSError as error:
+            message = f"{self.path} cannot be read any more ({error.strerror}), at {number}"
+            raise PrintError(End.FILE, message) from error
         if digest.hexdigest() != self.sha256:
             raise self._changed(number)
 
     def _changed(self, number: int) -> PrintError:
-        return PrintError(End.FILE, f"{self.path} was changed while it was printed, at {number}")
+        message = f"{self.path} was changed after it was checked; it stopped at command {number}"
+        return PrintError(End.FILE, message)
 
 
 def read_program(path: Path) -> Program:
@@ -102,6 +108,7 @@ def read_program(path: Path) -> Program:
     nozzle: float | None = None
     try:
         with path.open("rb") as stream:
+            stamp = _stamp(stream)
             number = 0
             while raw := stream.readline(MOST_LINE):
                 number += 1
@@ -115,13 +122,18 @@ def read_program(path: Path) -> Program:
                     if named := NOZZLE.match(raw):
                         nozzle = float(named[1])
                     continue
+                if "\r" in command:
+                    message = "lines end with CR alone; save the file with LF"
+                    raise FormatError(message, path=str(path), line=number)
                 commands += 1
                 if len(command) > longest:
                     longest, longest_at = len(command), number
-                if found := HEATS.match(command):
-                    heater = "B" if found[1] in ("140", "190") else "T"
-                    hottest[heater] = max(hottest[heater], float(found[2]))
-                if command[0] == "M" and (why := NOT_TO_PRINT.get(name_of(command))):
+                if command[0] not in "Mm":
+                    continue
+                name = name_of(command)
+                if heater := HEATS.get(name):
+                    hottest[heater] = max(hottest[heater], temperature(command) or 0.0)
+                if why := NOT_TO_PRINT.get(name):
                     message = f"{command} {why}; take it out"
                     raise FormatError(message, path=str(path), line=number)
     except OSError as error:
@@ -129,9 +141,9 @@ def read_program(path: Path) -> Program:
     if not commands:
         raise FormatError("no commands in it; name a G-code file", path=str(path))
     needs = Needs(nozzle, hottest["T"], hottest["B"])
-    return Program(path, digest.hexdigest(), size, commands, longest, longest_at, needs)
+    return Program(path, digest.hexdigest(), size, commands, longest, longest_at, needs, stamp)
 
 
-def _stamp(stream: BinaryIO) -> tuple[int, int]:
+def _stamp(stream: BinaryIO) -> tuple[int, ...]:
     found = os.fstat(stream.fileno())
-    return found.st_size, found.st_mtime_ns
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns

@@ -41,6 +41,9 @@ class Recorder(Protocol):
     def acknowledged(self, line: int, wire: int) -> None:
         """The printer has all lines up to `line` of the file, and up to number `wire`."""
 
+    def parked(self, lift: float, retraction: float) -> None:
+        """The nozzle stands so much (mm) above its place, and so much filament is pulled back."""
+
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:

@@ -6,11 +6,13 @@ Replies differ little between firmwares. The forms read here, and where they are
   places for lines (`RingBuffer::ok_to_send` in Marlin's `gcode/queue.cpp`); `ok T:20.1 /0.0` as
   the answer to M105 (Marlin's `gcode/temp/M105.cpp`, `cmd_M105` in Klipper's `extras/heaters.py`)
 - `Resend: 5` (Marlin, Repetier), `rs 5` (the older form, named in RepRap's G-code documentation)
-- `skip 5`, Repetier's answer to a line that it has already (`gcode.cpp`, `checkAndPushCommand`)
+- `skip 5`, Repetier's answer to a line that it has already, or that is not the one which it asked
+  for again (`gcode.cpp`, `checkAndPushCommand`)
 - `echo:busy: processing` (Marlin's `host_keepalive`), `busy:processing` (Repetier's `keepAlive`)
 - `wait`, from a printer that has nothing to do (Repetier's WAITING_IDENTIFIER, Marlin's
   NO_TIMEOUTS)
-- `start`, said after a reset; `Error:` and what is wrong; `!!` and why Klipper stopped
+- `start`, said after a reset; `Error:` and what is wrong; `!!` and why Klipper stopped;
+  `fatal:` and why Repetier obeys no line any more (`reportFatalError`), though it says `ok` to all
 - `//action:pause` and the like (Marlin's HOST_ACTION_COMMANDS)
 """
 
@@ -42,7 +44,7 @@ class Resend:
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
-    """The printer has this line already and did not obey it a second time."""
+    """The printer did not obey this line: it has it already, or wants another one."""
 
     number: int
 
@@ -79,6 +81,8 @@ class Action:
     """The printer asks the host for something: pause, resume, cancel."""
 
     name: str
+    text: str = ""
+    """what is to be shown to a person"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +118,9 @@ Reply = (
     | Garbage
 )
 
-HEATER = re.compile(r"\b([TBC]\d*)\s*:\s*(-?\d+(?:\.\d+)?)(?:\s*/\s*(-?\d+(?:\.\d+)?))?")
+HEATER = re.compile(
+    r"\b([TBC]\d*)\s*:\s*(-?\d{1,5}(?!\d)(?:\.\d+)?)(?:\s*/\s*(-?\d{1,5}(?:\.\d+)?))?"
+)
 GLUED = re.compile(
     r"(?<=[\dk])(?=ok(?:$|[ \dok])|Resend:|rs \d|Error:|echo:|busy:|//|!!|wait$|start$)"
 )
@@ -140,7 +146,7 @@ def _parsed(line: str) -> Reply:
         return Garbage()
     if re.match(r"ok\b", text):
         return _ok(text)
-    found = re.match(r"(?:resend|rs)\s*:?\s*N?(\d+)", text, re.I)
+    found = re.match(r"(?:resend|rs\b)\s*:?\s*N?(\d+)", text, re.I)
     if found:
         return Resend(int(found[1]))
     found = re.match(r"skip\s*:?\s*(\d+)", text)
@@ -155,11 +161,13 @@ def _parsed(line: str) -> Reply:
         return Started()
     if lower.startswith("error:"):
         return _failure(text[6:].strip())
+    if lower.startswith("fatal:"):
+        return Failure(text[6:].strip(), fatal=True)
     if text.startswith("!!"):
         return Failure(text[2:].strip(), fatal=True)
-    found = re.match(r"//\s*action:\s*(\w+)", text)
+    found = re.match(r"//\s*action:\s*(\w+)\s*(.*)", text)
     if found:
-        return Action(found[1])
+        return Action(found[1], found[2])
     heaters = _heaters(text)
     return Temperatures(heaters) if heaters and re.match(r"\s*[TBC]\d*\s*:", text) else Text(text)
 

@@ -56,7 +56,9 @@ def continuation(lines: Iterable[Line], record: Record, greeting: Greeting) -> C
     wanted = record.line_of(greeting.last) if alive else None
     layer, here, heights = _replay(lines, record.line if wanted is None else wanted)
     if wanted is not None:
-        return Continuation(here.lines, here.offset, here.state.heat(), here.state, exact=True)
+        # Lines of ours may have been on the way when the host failed: parked, or half-way back.
+        before = here.state.come_back(record.retraction)
+        return Continuation(here.lines, here.offset, before, here.state, exact=True)
     if layer is None:
         raise LocalPrinterError("--resume: no layer was begun; print the file from its start")
     if not layer.state.nozzle:
@@ -66,7 +68,7 @@ def continuation(lines: Iterable[Line], record: Record, greeting: Greeting) -> C
         )
     # The nozzle may lie some lines behind. Taken too low, the rest is printed a layer too high;
     # taken too high, the nozzle would run into the part.
-    before = layer.state.after_reset(min(heights))
+    before = layer.state.after_reset(min(heights) + record.lift)
     return Continuation(layer.lines, layer.offset, before, layer.state, exact=False)
 
 

@@ -48,8 +48,9 @@ from v3dcad.printer.replies import (
 GOES_BACK = 8
 """By how many lines a request may lie before what is acknowledged. An `ok` too many makes one; a
 printer that wants more was reset, and must not be given the file's lines in that state."""
-BYTES_UNDER_WAY = 127
-"""What fits into the receive buffer of an 8-bit board (RX_BUFFER_SIZE of Marlin is 128)."""
+BYTES_UNDER_WAY = 109
+"""What fits into the receive buffer of an 8-bit board (RX_BUFFER_SIZE of Marlin is 128, and a
+byte stays free) beside the words that turn the heaters off at a bad end."""
 MOST_UNDER_WAY = 32
 HISTORY = MOST_UNDER_WAY + GOES_BACK
 """Lines kept so that the printer may ask for them again."""
@@ -57,6 +58,8 @@ BEYOND = 1000
 """How far a probe's number lies beyond the last line's. Repetier takes up to 40 less as old."""
 STILL_SLOW = 8
 """Lines behind a slow command for which the printer is given as much time."""
+MOST_SKIPS = 40
+"""How often a printer may skip in a row; Repetier does up to 15 times before it asks again."""
 HURRY = 0.5
 """Seconds after which a printer that says `wait` cannot have the line that is under way."""
 
@@ -98,6 +101,8 @@ class Sender:
         self._slow: set[int] = set()
         self._asking = False
         self._probes = 0
+        self._skips = 0
+        self._ok_of_a_skip = False
         self._advanced = False
         self._room = 0
         self._one_by_one_to = last
@@ -148,9 +153,10 @@ class Sender:
     def interrupt(self, data: bytes) -> None:
         """Have bytes go out before all others, without a number, such as M112.
 
-        The printer may answer with an `ok` too many, as to any line; numbers put that right.
+        The line feed ends a line that may have gone out in part. The printer may answer with an
+        `ok` too many, as to any line; numbers put that right.
         """
-        self._outgoing[:0] = data
+        self._outgoing[:0] = b"\n" + data
 
     def data_to_send(self) -> bytes:
         """The bytes that are due to go out, once."""
@@ -220,9 +226,13 @@ class Sender:
         self._outgoing += self._history[self._sent - self.newest - 1]
 
     def _probe(self) -> None:
-        """The line feed ends a line that may have arrived in part."""
+        """The line feed ends a line that may have arrived in part.
+
+        None goes to a printer that does not check numbers: Klipper says ok to a blank line.
+        """
         self._probes += 1
-        self._outgoing += b"\n" + numbered(self.newest + BEYOND, "M105")
+        self._outgoing += b"\n" if self.checks_numbers else b""
+        self._outgoing += numbered(self.newest + BEYOND, "M105")
 
     def _go_on(self, now: float) -> None:
         """Send the lines of the past that are to be sent again."""
@@ -240,8 +250,8 @@ class Sender:
                 self._ok(reply, now)
             case Resend(number):
                 self._resend(number, now)
-            case Skipped(number) if number <= self.newest:
-                self._resend(max(number, self.acknowledged) + 1, now)
+            case Skipped():
+                self._skip(now)
             case Failure(text, fatal=True):
                 raise PrintError(End.HALTED, f"the printer reports: {text}")
             case Started():
@@ -260,7 +270,9 @@ class Sender:
         return events
 
     def _ok(self, ok: Ok, now: float) -> None:
-        if ok.number is not None:
+        if self._ok_of_a_skip:
+            self._ok_of_a_skip = False
+        elif ok.number is not None:
             self._ok_with_number(ok.number, ok.room or 0, now)
         elif self._asking:
             self._asking = False
@@ -297,6 +309,21 @@ class Sender:
                 "whether it has it; to go on could repeat or leave out a move",
             )
 
+    def _skip(self, now: float) -> None:
+        """A line was not obeyed, and an ok follows that says nothing.
+
+        Repetier skips what it has; after a Resend also what it does not want. So ask what it wants.
+        """
+        self._ok_of_a_skip = True
+        self._skips += 1
+        if self._skips > MOST_SKIPS:
+            raise PrintError(
+                End.NO_ANSWER, f"the printer skips line {self.acknowledged + 1} and all others"
+            )
+        if self._settled_at is None and (self._probes or self.acknowledged < self._sent):
+            self._heard = now
+            self._probe()
+
     def _resend(self, number: int, now: float) -> None:
         """The printer has all lines before `number` and wants this one."""
         oldest = max(self.newest - len(self._history), self.acknowledged - GOES_BACK) + 1
@@ -311,7 +338,7 @@ class Sender:
         self._settled_at = min(now + self.patience.settle, self._settle_limit)
         self._heard = now
         self._asking = False
-        self._probes = 0
+        self._probes = self._skips = 0
         if number <= self._sent:
             self.window = 1
             self._one_by_one_to = max(self._one_by_one_to, self._sent)

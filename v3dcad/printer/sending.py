@@ -31,6 +31,7 @@ class Sending:
         self.sha256 = sha256
         self.progress = progress
         self._existed = False
+        self._stamp = self._now()
 
     def check(self, *, start: bool) -> None:
         """Raise `HostError` if the server cannot be used, or with `start` the printer is not free.
@@ -53,8 +54,8 @@ class Sending:
     def send(self, *, start: bool) -> str:
         """Send the file and, with `start`, print it; where it lies.
 
-        An upload that breaks off is deleted on the server, unless a file of this name was there
-        before: then the server has kept that one.
+        An upload that breaks off, by Ctrl-C too, is deleted on the server, unless a file of this
+        name was there before: then the server has kept that one.
         """
         name = self.file.name
         try:
@@ -64,11 +65,25 @@ class Sending:
                 file=self.file,
                 progress=self.progress,
             )
+            if self._now() != self._stamp:
+                raise HostError(
+                    HostFault.OTHER, f"{self.file} was changed while it was sent; send it again"
+                )
         except HostError as error:
             raise self._cleaned(error) from error
+        except KeyboardInterrupt:
+            self._cleaned(HostError(HostFault.CUT, "cancelled"))
+            raise
         if start:
             carry(self.host.start(name), self.address)
         return where
+
+    def _now(self) -> tuple[int, int] | None:
+        try:
+            found = self.file.stat()
+        except OSError:
+            return None
+        return found.st_size, found.st_mtime_ns
 
     def _cleaned(self, error: HostError) -> HostError:
         """The error, after what may lie there of the upload was deleted."""

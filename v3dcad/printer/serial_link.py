@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,8 +18,17 @@ from serial.tools import list_ports
 from v3dcad.errors import LocalPrinterError
 from v3dcad.printer.ends import End, PrintError
 
+try:
+    import termios
+
+    TERMIOS: tuple[type[Exception], ...] = (termios.error,)
+except ImportError:  # Windows
+    TERMIOS = ()
+
 TURN = 0.02
 """Seconds that a read waits for the first byte; so often the caller can do other things."""
+PULL = 0.1
+"""Seconds that the reset line is pulled."""
 WRITE_LIMIT = 5.0
 """Seconds after which a write is given up: the board takes nothing any more."""
 
@@ -55,7 +65,7 @@ class SerialLink:
             self._serial = serial.Serial(
                 port, baud, timeout=TURN, write_timeout=WRITE_LIMIT, exclusive=True
             )
-        except (serial.SerialException, ValueError) as error:
+        except (serial.SerialException, ValueError, *TERMIOS) as error:
             raise LocalPrinterError(_refusal(port, baud, error)) from error
         if reset:
             self.reset()
@@ -85,13 +95,14 @@ class SerialLink:
         try:
             self._serial.baudrate = baud
             self._serial.reset_input_buffer()
-        except (serial.SerialException, OSError, ValueError) as error:
+        except (serial.SerialException, OSError, ValueError, *TERMIOS) as error:
             raise LocalPrinterError(_refusal(self.port, baud, error)) from error
 
     def reset(self) -> None:
         """Pull the line that resets most boards (DTR), and let go; not every port has one."""
         with contextlib.suppress(OSError):
             self._serial.dtr = False
+            time.sleep(PULL)
             self._serial.dtr = True
 
     def close(self) -> None:

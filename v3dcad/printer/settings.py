@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass
 
 from v3dcad.errors import SettingError
+from v3dcad.printer.lines import LONGEST, command_of
 from v3dcad.settings import Checked, setting
 
+LONGEST_COMMAND = LONGEST - len("N4000000000 *255")
 CANCEL = """\
 M104 S0
 M140 S0
@@ -41,7 +43,9 @@ class PortSettings(Checked):
         2.0, "Filament pulled back for a pause.", unit="mm", least=0, most=50
     )
     cancel_gcode: str = setting(
-        CANCEL, "G-code that ends a cancelled print: heaters, fan and motors off."
+        CANCEL,
+        "G-code that ends a cancelled print. Heaters that the file turned on go off after it in "
+        "any case.",
     )
 
     def park_place(self) -> tuple[float, float] | None:
@@ -58,8 +62,13 @@ class PortSettings(Checked):
         return x, y
 
     def cancel_lines(self) -> list[str]:
-        """The lines of `cancel_gcode` that ask for something."""
-        return [line for line in map(str.strip, self.cancel_gcode.splitlines()) if line]
+        """The commands of `cancel_gcode`; `SettingError` for one that is too long."""
+        lines = [line for line in map(command_of, self.cancel_gcode.splitlines()) if line]
+        for line in lines:
+            if len(line) > LONGEST_COMMAND:
+                message = f"--cancel-gcode: {line}: at most {LONGEST_COMMAND} characters a line"
+                raise SettingError("cancel_gcode", message)
+        return lines
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -14,7 +14,7 @@ from v3dcad.errors import SettingError, V3dcadError
 from v3dcad.exports import export, kind_of, print_lines, written_line
 from v3dcad.model import Floats
 from v3dcad.pipeline import Structure
-from v3dcad.recipes import explicit_sites, known_settings, part_of, read_ont, sites_of
+from v3dcad.recipes import given_sites, known_settings, part_of, read_ont, sites_of
 from v3dcad.report import certificate_line
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 from v3dcad.version import VERSION
@@ -141,7 +141,8 @@ class Work:
         file = Path(self._needed("to", str))
         kind = kind_of(file)
         how, printing = self._sizes(), self._printing()
-        structure = self._named(self._watched(self._whole(), f"writing {file.name}"))
+        # As the command line does: a layer by itself has its edges in another order.
+        structure = self._named(self._watched(self._structure(), f"writing {file.name}"))
         lines: list[str] = []
         if kind == "gcode":
             printed = structure.write_gcode(file, printing)
@@ -177,7 +178,7 @@ class Work:
 
     def _asked(self) -> tuple[str, FillSettings, Floats | None, Stage]:
         path = self._optional("sites", str)
-        sites = None if path is None else explicit_sites(read_array(path))
+        sites = None if path is None else given_sites(read_array(path))
         values = chosen(FillSettings, self._needed("settings", dict))
         return self._needed("source", str), known_settings(values, sites), sites, self._stage
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, INTERNAL, compiled
 from v3dcad.model import Floats
@@ -45,6 +46,11 @@ class Bins(NamedTuple):
     """(bins,) int64: the first site of each bin, or `NOBODY`"""
     nexts: IntArray
     """(n,) int64: the next site of the same bin, or `NOBODY`"""
+
+
+def too_uneven(site: int) -> GeometryError:
+    """What to raise for a site around which there is no room for all others."""
+    return GeometryError(f"over {ROOM} sites are near it: too uneven", site=site)
 
 
 def empty_bins(low: Floats, high: Floats, side: float, capacity: int, *, periodic: bool) -> Bins:

@@ -19,6 +19,7 @@ from v3dcad.geometry.voronoi.bins import (
     bins_of,
     gather,
     sort_by_distance,
+    too_uneven,
 )
 from v3dcad.geometry.voronoi.neighbours import spacing_at
 from v3dcad.geometry.voronoi.wall import OPEN, Polygon, in_space, polygon_room, wall
@@ -161,11 +162,10 @@ def cut_walls(places: Floats, wanted: Ints) -> tuple[Ints, Ints, Ints, Floats]:
             bins, places, wanted, is_wanted, whole, polygon, pairs, sizes, quads, corners
         )
         room *= 2
-    if reason:
-        message = {
-            UNBOUNDED: "its cell has no end; sites around it are missing",
-            TWINS: "it lies where another site lies",
-            TOO_MANY: f"over {ROOM} sites are near it: too uneven",
-        }
-        raise GeometryError(message[reason], site=site)
+    if reason == TOO_MANY:
+        raise too_uneven(site)
+    if reason == UNBOUNDED:
+        raise GeometryError("its cell has no end; sites around it are missing", site=site)
+    if reason == TWINS:
+        raise GeometryError("it lies where another site lies", site=site)
     return pairs[:walls], sizes[:walls], quads[:filled], corners[:filled]

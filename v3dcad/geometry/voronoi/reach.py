@@ -10,10 +10,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
-from v3dcad.geometry.voronoi.bins import CROWDED, ROOM, Bins, bin_at, bins_of, gather, homes_of
+from v3dcad.geometry.voronoi.bins import (
+    CROWDED,
+    ROOM,
+    Bins,
+    bin_at,
+    bins_of,
+    gather,
+    homes_of,
+    too_uneven,
+)
 from v3dcad.geometry.voronoi.neighbours import spacing_around
 from v3dcad.model import Floats
 
@@ -142,10 +150,16 @@ def cell_reaches(bins: Bins, places: Floats, low: Floats, high: Floats) -> Float
     bounds, reaches = np.empty(len(bins.heads)), np.empty(len(bins.heads))
     crowded = bound_distances(bins, places, low, high, bounds, ROOM)
     if crowded >= 0:
-        site = int(bins.heads[crowded])
-        raise GeometryError(f"over {ROOM} sites are near it: too uneven", site=site)
+        raise too_uneven(int(bins.heads[crowded]))
     spread_bounds(bins, bounds, reaches)
     return reaches
+
+
+def binned_reaches(places: Floats, low: Floats, high: Floats) -> tuple[Bins, Floats]:
+    """Bins around sites (n, 3) and the box low … high (3,), and for each its `cell_reaches`."""
+    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
+    bins = bins_of(places, start, end, periodic=False)
+    return bins, cell_reaches(bins, places, low, high)
 
 
 def site_reaches(places: Floats, low: Floats, high: Floats) -> Floats:
@@ -153,6 +167,5 @@ def site_reaches(places: Floats, low: Floats, high: Floats) -> Floats:
 
     0 where the cell is not in the box. Raises `GeometryError` as `cell_reaches`.
     """
-    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
-    bins = bins_of(places, start, end, periodic=False)
-    return cell_reaches(bins, places, low, high)[homes_of(bins, places)]
+    bins, reaches = binned_reaches(places, low, high)
+    return reaches[homes_of(bins, places)]

@@ -24,11 +24,11 @@ from v3dcad.geometry.voronoi.bins import (
     ROOM,
     Bins,
     bin_of,
-    bins_of,
     gather,
     near_first,
+    too_uneven,
 )
-from v3dcad.geometry.voronoi.reach import cell_reaches
+from v3dcad.geometry.voronoi.reach import binned_reaches
 from v3dcad.geometry.voronoi.wall import (
     ROUNDING,
     Polygon,
@@ -123,14 +123,11 @@ def steepest_wall(sites: Ints, low: Ints, high: Ints) -> SteepestWall:
     worst = np.array([-1, -1, 0, 1])
     if len(sites) > 1:
         lowest, highest = np.asarray(low, np.float64), np.asarray(high, np.float64)
-        start = np.minimum(places.min(axis=0), lowest)
-        end = np.maximum(places.max(axis=0), highest)
-        bins = bins_of(places, start, end, periodic=False)
-        reaches = cell_reaches(bins, places, lowest, highest)
+        bins, reaches = binned_reaches(places, lowest, highest)
         if reaches.max() > WIDEST:
             raise GeometryError("cells reach over 2³⁰ grid steps; use a coarser grid")
         crowded = find_steepest(bins, places, reaches, lowest, highest, polygon_room(), ROOM, worst)
         if crowded >= 0:
-            raise GeometryError(f"over {ROOM} sites are near it: too uneven", site=int(crowded))
+            raise too_uneven(int(crowded))
     i, j, rise, run = worst.tolist()
     return SteepestWall((i, j), rise, run)

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray, IntRows
 from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.geometry.voronoi.bins import (
@@ -14,11 +13,11 @@ from v3dcad.geometry.voronoi.bins import (
     ROOM,
     Bins,
     bin_of,
-    bins_of,
     gather,
     sort_by_distance,
+    too_uneven,
 )
-from v3dcad.geometry.voronoi.reach import cell_reaches
+from v3dcad.geometry.voronoi.reach import binned_reaches
 from v3dcad.geometry.voronoi.wall import Polygon, cut_by_box, in_space, polygon_room, wall
 from v3dcad.model import Floats, Ints
 
@@ -95,9 +94,7 @@ def walls_in_box(places: Floats, low: Floats, high: Floats) -> tuple[Ints, Float
     """
     if len(places) < 2:
         return np.empty((0, 2), np.int64), np.empty((0, 3)), np.zeros(1, np.int64)
-    start = np.minimum(places.min(axis=0), low)
-    bins = bins_of(places, start, np.maximum(places.max(axis=0), high), periodic=False)
-    reaches = cell_reaches(bins, places, low, high)
+    bins, reaches = binned_reaches(places, low, high)
     room, ended = EXPECTED * len(places), FULL
     while ended == FULL:
         rows = WallRows(
@@ -106,6 +103,6 @@ def walls_in_box(places: Floats, low: Floats, high: Floats) -> tuple[Ints, Float
         walls, corners, ended = write_walls(bins, places, reaches, low, high, polygon_room(), rows)
         room *= 2
     if ended >= 0:
-        raise GeometryError(f"over {ROOM} sites are near it: too uneven", site=ended)
+        raise too_uneven(ended)
     starts = np.concatenate([[0], np.cumsum(rows.sizes[:walls])])
     return rows.sites[:walls], rows.points[:corners], starts

@@ -7,7 +7,7 @@ from v3dcad.printer.hosts.requests import (
     HostState,
     Request,
     escaped,
-    other_kind,
+    introduced,
     refuse,
 )
 
@@ -22,20 +22,15 @@ class Moonraker:
 
     def state(self) -> Dialogue[HostState]:
         """Version and state, of Klipper and of what it prints."""
-        answer = yield Request("GET", "/server/info")
-        if answer.status == 404:
-            raise other_kind(self.title)
-        refuse(answer, "version")
-        version = answer.at("result", "moonraker_version")
-        if version is None:
-            raise other_kind(self.title)
-        title = f"Moonraker {version}"
-        klipper = str(answer.at("result", "klippy_state"))
+        version = ("result", "moonraker_version")
+        answer = yield from introduced(self.title, "/server/info", *version)
+        title = f"Moonraker {answer.words(*version)}"
+        klipper = answer.words("result", "klippy_state")
         if klipper != "ready":
             return HostState(title, f"Klipper is {klipper}", ready=False)
         answer = yield Request("GET", "/printer/objects/query", query={"print_stats": "state"})
         refuse(answer, "state")
-        state = str(answer.at("result", "status", "print_stats", "state"))
+        state = answer.words("result", "status", "print_stats", "state")
         return HostState(title, state, ready=state in FREE)
 
     def exists(self, name: str) -> Dialogue[bool]:
@@ -49,7 +44,8 @@ class Moonraker:
         form = {"root": "gcodes", "print": "false", "checksum": sha256}
         answer = yield Request("POST", "/server/files/upload", upload=name, form=form)
         refuse(answer, "upload", 201)
-        return f"gcodes/{answer.at('item', 'path') or answer.at('result', 'item', 'path') or name}"
+        where = answer.words("item", "path") or answer.words("result", "item", "path")
+        return f"gcodes/{where or name}"
 
     def start(self, name: str) -> Dialogue[None]:
         """Print a file."""

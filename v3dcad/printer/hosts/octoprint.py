@@ -7,6 +7,7 @@ from v3dcad.printer.hosts.requests import (
     HostState,
     Request,
     escaped,
+    introduced,
     other_kind,
     refuse,
 )
@@ -19,18 +20,14 @@ class OctoPrint:
 
     def state(self) -> Dialogue[HostState]:
         """Version and state."""
-        answer = yield Request("GET", "/api/version")
-        if answer.status == 404:
-            raise other_kind(self.title)
-        refuse(answer, "version")
-        text = answer.at("text")
-        if not isinstance(text, str) or not text.startswith("OctoPrint"):
+        text = (yield from introduced(self.title, "/api/version", "text")).words("text")
+        if not text.startswith("OctoPrint"):
             raise other_kind(self.title)
         answer = yield Request("GET", "/api/printer", query={"exclude": "temperature,sd"})
         if answer.status == 409:
             return HostState(text, "the printer is not connected", ready=False)
         refuse(answer, "state")
-        state = str(answer.at("state", "text"))
+        state = answer.words("state", "text")
         return HostState(text, state, ready=answer.at("state", "flags", "ready") is True)
 
     def exists(self, name: str) -> Dialogue[bool]:
@@ -44,7 +41,7 @@ class OctoPrint:
         form = {"print": "false", "noOverwrite": "false" if replace else "true"}
         answer = yield Request("POST", "/api/files/local", upload=name, form=form)
         refuse(answer, "upload", 201)
-        return f"local/{answer.at('files', 'local', 'path') or name}"
+        return f"local/{answer.words('files', 'local', 'path') or name}"
 
     def start(self, name: str) -> Dialogue[None]:
         """Select the file and print it."""

@@ -8,6 +8,7 @@ from v3dcad.printer.hosts.requests import (
     HostState,
     Request,
     escaped,
+    introduced,
     other_kind,
     refuse,
 )
@@ -28,17 +29,13 @@ class PrusaLink:
 
     def state(self) -> Dialogue[HostState]:
         """Version and state."""
-        answer = yield Request("GET", "/api/version")
-        if answer.status == 404:
+        answer = yield from introduced(self.title, "/api/version", "text")
+        if "PrusaLink" not in answer.words("text"):
             raise other_kind(self.title)
-        refuse(answer, "version")
-        text = answer.at("text")
-        if not isinstance(text, str) or "PrusaLink" not in text:
-            raise other_kind(self.title)
-        title = " ".join(filter(None, (text, str(answer.at("server") or ""))))
+        title = f"{answer.words('text')} {answer.words('server')}".strip()
         answer = yield Request("GET", "/api/v1/status")
         refuse(answer, "state")
-        state = str(answer.at("printer", "state"))
+        state = answer.words("printer", "state")
         return HostState(title, state.lower(), ready=state in FREE)
 
     def exists(self, name: str) -> Dialogue[bool]:
@@ -74,10 +71,12 @@ class PrusaLink:
         if self._storage is None:
             answer = yield Request("GET", "/api/v1/storage")
             refuse(answer, "storage")
-            for storage in answer.at("storage_list") or []:
-                if storage.get("available") and not storage.get("read_only"):
-                    self._storage = str(storage["path"]).strip("/")
-                    break
+            storages = answer.at("storage_list")
+            for storage in storages if isinstance(storages, list) else []:
+                match storage:
+                    case {"path": str(path), "available": True} if not storage.get("read_only"):
+                        self._storage = path.strip("/")
+                        break
             else:
                 raise HostError(
                     HostFault.FULL, "no storage that can be written to; put in a USB stick"

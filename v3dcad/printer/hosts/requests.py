@@ -45,6 +45,16 @@ class Answer:
             found = found.get(key) if isinstance(found, dict) else None
         return found
 
+    def words(self, *keys: str) -> str:
+        """A text inside the JSON on one line of at most 200 characters; "" where there is none.
+
+        What a terminal would obey is left out.
+        """
+        found = self.at(*keys)
+        text = found if isinstance(found, str) else ""
+        shown = "".join(letter if letter.isprintable() else " " for letter in text)
+        return " ".join(shown.split())[:200]
+
 
 Dialogue = Generator[Request, Answer, T]
 
@@ -82,6 +92,20 @@ class Host(Protocol):
         """Delete a file; it is no error if there is none."""
 
 
+def introduced(title: str, path: str, *keys: str) -> Dialogue[Answer]:
+    """Ask a server what it is; its answer has a text at `keys`.
+
+    Raises `HostError` for a wrong key, or a server that does not answer as `title` does.
+    """
+    answer = yield Request("GET", path)
+    if answer.status == 404:
+        raise other_kind(title)
+    refuse(answer, "version")
+    if not answer.words(*keys):
+        raise other_kind(title)
+    return answer
+
+
 def refuse(answer: Answer, doing: str, *fine: int) -> None:
     """Raise `HostError` for the statuses that mean the same with every server; `fine` do not."""
     status = answer.status
@@ -99,11 +123,8 @@ def refuse(answer: Answer, doing: str, *fine: int) -> None:
 
 def said(answer: Answer) -> str:
     """The server's own words about an error, one line."""
-    for keys in (("error", "message"), ("error",), ("message",), ("title",), ("text",)):
-        found = answer.at(*keys)
-        if isinstance(found, str):
-            return " ".join(found.split())[:200]
-    return ""
+    places = (("error", "message"), ("error",), ("message",), ("title",), ("text",))
+    return next(filter(None, (answer.words(*keys) for keys in places)), "")
 
 
 def other_kind(title: str) -> HostError:

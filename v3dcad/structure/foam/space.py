@@ -70,8 +70,8 @@ def strut_axes(facets: Facets) -> StrutAxes:
     meets = np.flatnonzero(np.bincount(around[:, 0], minlength=len(edges)) > 2)
     sites = around[first[meets, None] + np.arange(3), 1]
     points = facets.points[edges[meets]]
-    upwards = points[:, 0, 2] > points[:, 1, 2]
-    points[upwards] = points[upwards, ::-1]
+    downwards = points[:, 0, 2] > points[:, 1, 2]
+    points[downwards] = points[downwards, ::-1]
     return StrutAxes(sites, points)
 
 

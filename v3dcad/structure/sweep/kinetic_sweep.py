@@ -41,8 +41,7 @@ class Sweep:
         """Be ready for sections at ascending whole `times` (k,)."""
         self.grid, self._sites, self._times, self._block = grid, sites, times, block
         self._crossings = CROSSINGS
-        self._at: tuple[int, int] | None = None
-        self._rows = 0
+        self._standing: int | None = None
 
     def run(self, sections: Sequence[Section], index: int) -> Iterator[Sliced]:
         """Slice sections, of which the first has an index among the times.
@@ -56,7 +55,7 @@ class Sweep:
             times = self._times[index + done : index + len(sections)]
             block = int(times[0]) // self._block
             times = times[: int(np.searchsorted(times, (block + 1) * self._block))]
-            if self._at is None or self._at[0] != block:
+            if self._standing != block:
                 self._stand(block, int(times[0]))
             rest = _from(rings, done, len(times))
             made = output(len(times), max(self._usual_rows(rest), needed))
@@ -73,7 +72,7 @@ class Sweep:
 
     def _stand(self, block: int, time: int) -> None:
         """Build the mesh of a block at one of its times."""
-        self._at, self._origin = (block, time), block * self._block
+        self._standing, self._origin = block, block * self._block
         last = self._origin + self._block - 1
         present = self._sites.present(time, last).since(self._origin)
         now = time - self._origin

@@ -23,6 +23,7 @@ from v3dcad.geometry.clipping.ring_walk import (
 from v3dcad.geometry.clipping.update import count_cells, renew_cut
 from v3dcad.geometry.compiled.arrays import (
     ConstIntArray,
+    FloatArray,
     FloatRows,
     Int32Array,
     Int32Rows,
@@ -84,12 +85,12 @@ class Queue(NamedTuple):
 
 
 class Walks(NamedTuple):
-    """Room for the walks round a layer's rings, and round those of the layer before."""
+    """Room for the walks round a layer's rings, and what those of the layer before crossed."""
 
     crossings: Int32Stack
     """(2, c, 4)"""
-    at: FloatRows
-    """(2, c)"""
+    at: FloatArray
+    """(c,)"""
     next_on: Int32Array
     """(c,)"""
     begun_in: IntArray
@@ -114,7 +115,7 @@ def walks(crossings: int, rings: int, points: int) -> Walks:
     """Room for a number of crossings a layer."""
     return Walks(
         crossings=np.empty((2, crossings, 4), np.int32),
-        at=np.empty((2, crossings)),
+        at=np.empty(crossings),
         next_on=np.empty(crossings, np.int32),
         begun_in=np.empty(rings, np.int64),
         seen=np.zeros(points, np.int32),
@@ -185,9 +186,7 @@ def run(
     """
     outcome, rows, vertices = made.outcome, made.rows, made.vertices
     edges = Edges(made.edges, made.sites)
-    crossings, before, at, at_before = (
-        walks.crossings[0], walks.crossings[1], walks.at[0], walks.at[1]
-    )  # fmt: skip
+    crossings, before = walks.crossings[0], walks.crossings[1]
     after_before, begun_before = rings.after[:0], walks.begun_in[:0]
     graph, count, count_before, live_cells, token = -1, 0, 0, 0, 0
     for layer in range(len(times)):
@@ -201,7 +200,7 @@ def run(
         after, starts = rings.after[first:last], rings.starts[rings_from : rings_to + 1]
         begun_in = walks.begun_in[rings_from:rings_to]
         layer_rings = LayerRings(stepped, after, starts)
-        walk = Crossings(crossings, at, walks.next_on, begun_in)
+        walk = Crossings(crossings, walks.at, walks.next_on, begun_in)
         count = walk_rings(mesh, layer_rings, walk)
         if count < 0:
             outcome.ending = Ending.RING_OPEN if count == OPEN else Ending.CROSSINGS_FULL
@@ -235,6 +234,5 @@ def run(
             cut, times[layer], corners, after, walk, count, frame, vertices, row
         )
         before, crossings, count_before = crossings, before, count
-        at_before, at = at, at_before
         rows[layer, CELLS], rows[layer, GRAPH] = live_cells, graph
         outcome.layers = layer + 1
