@@ -1,4 +1,4 @@
-"""What docs/scripting.md shows is run, and so are the sample scripts."""
+"""What docs/scripting.md and docs/worker.md show is run, and so are the sample scripts."""
 
 from __future__ import annotations
 
@@ -25,6 +25,19 @@ def test_scripting_guide_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert 0 < made["around"].area < made["walls"].area
     for name in ("cells.step", "thick.step", "walls.stl", "beams.3mf", "layer.svg"):
         assert (tmp_path / name).stat().st_size > 1000
+
+
+def test_the_conversation_with_the_worker_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "docs" / "worker.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.S)
+    (tmp_path / "example.py").write_text(code, encoding="utf-8")
+    monkeypatch.chdir(ROOT)
+    runpy.run_path(str(tmp_path / "example.py"))
+    said = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(r"[0-9]+ edges on [0-9]+ layers", said[-1])
+    assert "filling 0 of" in "".join(said)
 
 
 @pytest.mark.filterwarnings("ignore:.* cells are wide. they close up")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from OCP.BRep import BRep_Builder
 from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.Interface import Interface_Static
 from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.STEPControl import STEPControl_AsIs
 from OCP.TCollection import TCollection_ExtendedString
@@ -149,3 +150,15 @@ def test_a_hole_in_a_solid_is_refused(
 ) -> None:
     with pytest.raises(v3dcad.KernelError, match=rf"a\.step: .*{says}"):
         v3dcad.part_from(without(word, tmp_path / "a.step", samples))
+
+
+@pytest.mark.parametrize("unit", ["M", "INCH"])
+def test_another_librarys_unit_changes_nothing(unit: str, samples: Path) -> None:
+    expected = v3dcad.part_from(samples / "bracket.step").bounds
+    before = Interface_Static.CVal_s("xstep.cascade.unit")
+    Interface_Static.SetCVal_s("xstep.cascade.unit", unit)
+    try:
+        found = v3dcad.part_from(samples / "bracket.step").bounds
+    finally:
+        Interface_Static.SetCVal_s("xstep.cascade.unit", before)
+    assert np.array_equal(found, expected)

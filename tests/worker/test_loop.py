@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -119,6 +120,34 @@ def test_whatever_goes_wrong_is_answered(
         assert says in said["error"]
         assert said["setting"] == ("fan" if isinstance(fault, SettingError) else None)
     assert ("Traceback" in capsys.readouterr().err) == told
+
+
+def test_notes_are_what_v3dcad_warns_of_once_each(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    class LibraryWarning(UserWarning):
+        pass
+
+    def warn(_: object) -> dict[str, Any]:
+        for _ in range(2):
+            warnings.warn("walls close up", UserWarning, stacklevel=1)
+        warnings.warn("a library's own", LibraryWarning, stacklevel=1)
+        return {"edges": 3}
+
+    monkeypatch.setattr(loop.Work, "result", warn)
+    stream = io.BytesIO()
+    loop.serve([b"{}"], stream, tmp_path)
+    said = json.loads(stream.getvalue())
+    assert said == {"id": None, "result": {"edges": 3, "notes": ["walls close up"]}}
+
+
+@pytest.mark.parametrize("number", [0, -7, 1.5, "ü", "\ud800", [1, {"a": None}], None, True])
+def test_an_id_comes_back_as_it_was(number: Any, tmp_path: Path) -> None:
+    stream = io.BytesIO()
+    loop.serve([json.dumps({"id": number}).encode()], stream, tmp_path)
+    said = json.loads(stream.getvalue())
+    assert said["id"] == number
+    assert type(said["id"]) is type(number)
 
 
 def test_nobody_left_to_answer(tmp_path: Path) -> None:

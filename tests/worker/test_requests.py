@@ -19,8 +19,10 @@ from v3dcad.kernel.load import load_brep
 from v3dcad.kernel.shapes import EDGE, SOLID, bounds, count
 from v3dcad.parts import part_from
 from v3dcad.pipeline import build
+from v3dcad.recipes import known_settings
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings, declared
 from v3dcad.structure.placement import on_bed
+from v3dcad.worker.kept import Kept
 
 pytestmark = pytest.mark.slow
 
@@ -268,6 +270,15 @@ def test_a_kept_structure_is_the_one_that_is_asked_for(worker: Worker, cone: Pat
             made = worker.get("fill", source=str(cone), settings=settings, shape_up_to=0)
             wanted = build(part, FillSettings(**settings)).checksum().sha256
             assert made["checksum"] == wanted, settings
+
+
+def test_nothing_kept_is_taken_for_what_differs_in_its_sites_alone(cone: Path) -> None:
+    kept, settings = Kept(), {"method": "thesis", "layer_height": 3.0}
+    one, other = np.random.default_rng(3).uniform(-15, 15, (2, 12, 2))
+    for sites in (one, other, one):
+        asked = known_settings(settings, sites)
+        made = kept.structure(str(cone), asked, sites, lambda *_: None).checksum()
+        assert made == v3dcad.fill(cone, sites=sites, **settings).checksum()
 
 
 def test_words_of_libraries_are_notes(worker: Worker, cone: Path) -> None:

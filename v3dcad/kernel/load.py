@@ -37,7 +37,9 @@ def load_step(path: Path) -> SolidPart:
                 "cut off: it does not end with END-ISO-10303-21; export it again", path=str(path)
             )
     reader = STEPControl_Reader()
-    if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.TransferRoots():
+    done = reader.ReadFile(str(path)) == IFSelect_RetDone
+    reader.SetSystemLengthUnit(1.0)  # mm, whatever unit another library has set for the process
+    if not done or not reader.TransferRoots():
         raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
     part = solid_part(reader.OneShape(), path.stem, str(path))
     model = reader.Model()

@@ -81,8 +81,6 @@ def _answer(line: bytes, stream: BinaryIO, files: Files, kept: Kept) -> None:
             result = Work(request, files, kept, answers.stage).result()
         notes = dict.fromkeys(str(one.message) for one in told if one.category is UserWarning)
         answers.result({**result, "notes": list(notes)})
-    except BrokenPipeError:
-        raise
     except Exception as error:  # whatever it is, somebody waits for an answer
         if not isinstance(error, (V3dcadError, MemoryError, OSError)):
             traceback.print_exc(file=sys.stderr)

@@ -14,7 +14,7 @@ from . import exchange, printing
 from .backend import WorkerError
 from .forms import main_window
 from .places import PREFERENCES
-from .qt import QtCore, QtWidgets, tr
+from .qt import QtCore, QtWidgets, number_of, tr
 
 EVERY = 500
 """Milliseconds between two looks at a print."""
@@ -238,7 +238,7 @@ class PrintPanel:
 
     def getStandardButtons(self) -> int:  # noqa: N802, FreeCAD's name
         """Close alone."""
-        return int(QtWidgets.QDialogButtonBox.Close)
+        return number_of(QtWidgets.QDialogButtonBox.Close)
 
     def reject(self) -> bool:
         """Close the panel; the print goes on."""

@@ -11,7 +11,7 @@ import FreeCADGui as Gui
 from .backend import Answer, WorkerError, worker
 from .features import request_of
 from .preview import Preview
-from .qt import QtCore, QtWidgets, tr
+from .qt import QtCore, QtWidgets, number_of, tr
 
 TARGETS = ("full", "layer", "cell", "neighbours", "neighbour", "tree", "cut")
 
@@ -93,7 +93,7 @@ class ShowPanel:
 
     def getStandardButtons(self) -> int:  # noqa: N802, FreeCAD's name
         """Close alone."""
-        return int(QtWidgets.QDialogButtonBox.Close)
+        return number_of(QtWidgets.QDialogButtonBox.Close)
 
     def reject(self) -> bool:
         """Close; the fill is shown again."""

@@ -14,7 +14,7 @@ from .backend import Answer, WorkerError, worker
 from .features import is_there, make_voronoi_fill, request_of
 from .forms import SettingsForm
 from .preview import Preview
-from .qt import QtCore, QtWidgets, tr
+from .qt import QtCore, QtWidgets, number_of, tr
 
 OFTEN = ("cell_size", "stretch", "max_overhang", "layer_height", "random_seed", "method")
 """Settings that are shown first."""
@@ -94,11 +94,11 @@ class FillPanel:
     def getStandardButtons(self) -> int:  # noqa: N802, FreeCAD's name
         """OK, Apply and Cancel."""
         buttons = QtWidgets.QDialogButtonBox
-        return int(buttons.Ok | buttons.Apply | buttons.Cancel)
+        return number_of(buttons.Ok | buttons.Apply | buttons.Cancel)
 
     def clicked(self, button: int) -> None:
         """Apply keeps the panel open."""
-        if button == int(QtWidgets.QDialogButtonBox.Apply):
+        if number_of(button) == number_of(QtWidgets.QDialogButtonBox.Apply):
             self.apply()
 
     def apply(self) -> None:
