@@ -98,8 +98,8 @@ def graded_sites(
 
     `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
     are 1 / size² cells a mm² of a horizontal section. Raises `SettingError` for more than `MOST`
-    sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and where no sites can be found whose
-    walls all lean at most `settings.max_overhang`.
+    sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
+    where no sites can be found whose walls all lean at most `settings.max_overhang`.
     """
     stretch = graded_stretch(settings)
     squeezed = np.array([1, 1, 1 / stretch])
