@@ -67,7 +67,7 @@ def _grey(path: Path) -> Floats:
     except OSError as error:
         reason = error.strerror or "not an image that can be read"
         raise FormatError(f"{reason}; give a PNG, TIFF or JPEG", path=str(path)) from error
-    except (ValueError, SyntaxError, MemoryError, Image.DecompressionBombError) as error:
+    except Exception as error:  # Pillow raises what its decoders raise
         raise FormatError("not an image that can be read", path=str(path)) from error
 
 

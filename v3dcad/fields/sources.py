@@ -22,6 +22,10 @@ BEYOND = 0.5
 """Points that leave more of the part's length, along an axis, uncovered do not belong to it."""
 
 
+SMALLEST, LARGEST = 1e-6, 1e6
+"""mm: beyond these no cell size is meant."""
+
+
 def size_field(cell_size: str | Field, part: Part) -> Callable[[Floats], Floats]:
     """Cell sizes (n,), mm, at places (n, 3), mm, for a part on the bed, in bed coordinates.
 
@@ -46,11 +50,13 @@ def sources_of(part: Part) -> Mapping[str, Source]:
         return distance_to(part.mesh())
 
     def faces(*numbers: Any) -> Field:
-        if not numbers or not all(isinstance(number, int) for number in numbers):
+        if not numbers or not all(type(number) is int for number in numbers):
             raise SettingError("cell_size", "faces: give numbers of faces, from 0")
         return distance_to(part.face_mesh(tuple(numbers)))
 
     def table(file: Any, column: Any = None) -> Field:
+        if not isinstance(column, str | None):
+            raise SettingError("cell_size", "table: give the column's name, in quotes")
         points, values = read_table(_path("table", file), column)
         _refuse_elsewhere("table", points, part.bounds)
         return interpolated(points, values)
@@ -73,7 +79,7 @@ def sources_of(part: Part) -> Mapping[str, Source]:
 def in_range(field: Field) -> Field:
     """A field that is checked whenever it is asked for sizes.
 
-    Raises `SettingError` where a size is not finite or not above 0, with the place.
+    Raises `SettingError`, with the place, where a size is no number from `SMALLEST` to `LARGEST`.
     """
 
     def checked(x: Floats, y: Floats, z: Floats) -> Floats:
@@ -84,13 +90,13 @@ def in_range(field: Field) -> Field:
             raise SettingError(
                 "cell_size", f"the cell size takes x, y, z (n,) and gives sizes (n,), mm: {error}"
             ) from error
-        wrong = np.flatnonzero(~(np.isfinite(sizes) & (sizes > 0)))
+        wrong = np.flatnonzero(~((sizes >= SMALLEST) & (sizes <= LARGEST)))
         if len(wrong):
             at = wrong[0]
             raise SettingError(
                 "cell_size",
                 f"the cell size is {sizes[at]:g} mm at ({x[at]:.4g}, {y[at]:.4g}, {z[at]:.4g}) mm; "
-                "it has to be above 0 in all of the part's box",
+                f"it has to be from {SMALLEST:g} to {LARGEST:g} in all of the part's box",
             )
         return sizes
 
@@ -98,7 +104,7 @@ def in_range(field: Field) -> Field:
 
 
 def _path(name: str, file: Any) -> Path:
-    if not isinstance(file, str):
+    if not isinstance(file, str) or "\0" in file:
         raise SettingError("cell_size", f"{name}: give a file, in quotes")
     return Path(file)
 

@@ -22,6 +22,7 @@ from v3dcad.structure.foam.random import random_bits
 from v3dcad.structure.foam.relaxing import STAGES, relax_inside
 from v3dcad.structure.foam.size_grid import Field, Sampled, sampled
 from v3dcad.structure.foam.space import steepest_in, tilt
+from v3dcad.structure.foam.uniform import refuse_larger
 
 TAU, LEAST_TAU = 1.67, 1.41
 """The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
@@ -97,8 +98,8 @@ def graded_sites(
 
     `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
     are 1 / size² cells a mm² of a horizontal section. Raises `SettingError` for more than `MOST`
-    sites, for a field that is too steep if `settings.strict`, and where no sites can be found whose
-    walls all lean at most `settings.max_overhang`.
+    sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
+    where no sites can be found whose walls all lean at most `settings.max_overhang`.
     """
     stretch = graded_stretch(settings)
     squeezed = np.array([1, 1, 1 / stretch])
@@ -107,6 +108,7 @@ def graded_sites(
     progress("sampling cell sizes", 0, 1)
     sizes = sampled(lambda places: scale * field(places / squeezed), inside[0], inside[1], PAD)
     graded = _compared(sizes, scale, stretch)
+    refuse_larger(graded.made[0], np.ptp(inside, axis=0))
     if settings.strict and graded.finer > 0:
         raise SettingError(
             "strict",
