@@ -14,7 +14,7 @@ from PIL import Image
 from v3dcad.errors import FormatError, SettingError, V3dcadError
 from v3dcad.fields.expression import field_of
 from v3dcad.fields.image import image_field
-from v3dcad.fields.sources import in_range, part_field
+from v3dcad.fields.sources import in_range, sources_of
 from v3dcad.fields.stress import read_stress, von_mises
 from v3dcad.fields.table import read_table
 from v3dcad.parts import MeshPart, part_from
@@ -38,7 +38,7 @@ def cube() -> MeshPart:
 
 def at(text: str) -> np.ndarray:
     """What an expression says at POINTS in the cube."""
-    return part_field(text, cube())(*POINTS.T)
+    return field_of(text, sources_of(cube()))(*POINTS.T)
 
 
 @pytest.mark.parametrize(
@@ -154,8 +154,12 @@ def test_an_image_lies_over_the_part(tmp_path: Path) -> None:
     Image.fromarray(grey).save(tmp_path / "a.png")
     name = str(tmp_path / "a.png")
     x, y, z = np.array([[2.0, 2, 1], [2.0, 8, 1], [2.0, 2, 9]]).T
-    assert part_field(f"image({name!r})", cube())(x, y, z).tolist() == [0, 1, 0]
-    assert part_field(f"image({name!r}, view='front')", cube())(x, y, z).tolist() == [0, 0, 1]
+    assert field_of(f"image({name!r})", sources_of(cube()))(x, y, z).tolist() == [0, 1, 0]
+    assert field_of(f"image({name!r}, view='front')", sources_of(cube()))(x, y, z).tolist() == [
+        0,
+        0,
+        1,
+    ]
     Image.fromarray(255 - grey).save(tmp_path / "b.png")
     stack = [tmp_path / "a.png", tmp_path / "b.png"]
     field = image_field(stack, "top", np.array([[0.0, 0, 0], [10, 10, 10]]))
