@@ -133,7 +133,7 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--method", "thesis", "--offset", -0.1], "--offset -0.1"),
         (["--method", "thesis", "--offset", "much"], "--offset much: give a number or auto"),
         (["--cell-size", 0], "--cell-size 0.0: give a number above 0 mm"),
-        (["--cell-size", "small"], "--cell-size small: give a number or auto"),
+        (["--cell-size", "small"], "'small' is not known; give a number, auto, or an expression"),
         (["--cell-size", 50], "--cell-size 50: larger than the part"),
         (["--cell-size", 0.0001], "--cell-size 0.0001: the grid of a part of 40"),
         (["--cell-size", 0.05], "cells are more than memory holds"),

@@ -16,6 +16,9 @@ from v3dcad.settings import Field
 LONGEST = 4000
 """Characters of an expression."""
 
+GIVE = "give a number, auto, or an expression of x, y, z"
+"""What to do where a text is none."""
+
 NAMES: dict[str, int | float] = {"x": 0, "y": 1, "z": 2}
 CONSTANTS = {"pi": np.pi}
 
@@ -81,7 +84,7 @@ def field_of(text: str, sources: Mapping[str, Source]) -> Field:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
         why = getattr(error, "msg", None) or "cannot be read"
-        raise _refusal(text, f"{why}; give a number, auto, or an expression of x, y, z") from None
+        raise _refusal(text, f"{why}; {GIVE}") from None
     try:
         evaluate = _compiled(tree.body, text, sources)
     except RecursionError:
@@ -117,8 +120,7 @@ def _compiled(node: ast.expr, text: str, sources: Mapping[str, Source]) -> Evalu
             return lambda at: at[axis]
         if node.id in CONSTANTS:
             return lambda at: CONSTANTS[node.id]
-        known = ", ".join([*NAMES, *CONSTANTS])
-        raise _refusal(text, f"{node.id[:30]!r} is not known; there are {known}")
+        raise _refusal(text, f"{node.id[:30]!r} is not known; {GIVE}")
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
         left, right, operate = part(node.left), part(node.right), OPERATORS[type(node.op)]
         return lambda at: operate(left(at), right(at))

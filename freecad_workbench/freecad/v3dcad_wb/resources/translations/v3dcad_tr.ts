@@ -668,6 +668,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Uzatma</translation>
     </message>
     <message>
+      <source>Strict</source>
+      <translation>Katı</translation>
+    </message>
+    <message>
       <source>Max overhang</source>
       <translation>En büyük sarkma</translation>
     </message>
@@ -736,8 +740,8 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>tez</translation>
     </message>
     <message>
-      <source>Size of the cells: a horizontal section has one for each square of this side; auto takes 40 in the base rectangle, from 3 to 15 mm.</source>
-      <translation>Hücre boyutu: yatay kesitte bu kenarlı her kareye bir hücre düşer; auto, taban dikdörtgeninde 40 hücre alır, 3 ile 15 mm arasında.</translation>
+      <source>Size of the cells: a horizontal section has one for each square of this side; auto takes 40 in the base rectangle, from 3 to 15 mm. An expression of x, y, z makes it differ from place to place.</source>
+      <translation>Hücre boyutu: yatay kesitte bu kenarlı her kareye bir hücre düşer; auto, taban dikdörtgeninde 40 hücre alır, 3 ile 15 mm arasında. x, y, z ile yazılan bir ifade, boyutu yerden yere değiştirir.</translation>
     </message>
     <message>
       <source>auto</source>
@@ -750,6 +754,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>columns</source>
       <translation>sütunlar</translation>
+    </message>
+    <message>
+      <source>Refuse a cell size that changes more steeply than cells can follow, instead of making them smaller there.</source>
+      <translation>Hücrelerin izleyemeyeceği kadar dik değişen bir hücre boyutunu, orada hücreleri küçültmek yerine reddet.</translation>
     </message>
     <message>
       <source>Largest tilt of a wall from the vertical, 10 to 80; 90 allows any.</source>
