@@ -299,7 +299,8 @@ def fill_sectioned(
 
         low, high = part.bounds
         graded = graded_sites(size_field(settings.cell_size, part), low, high, settings, progress)
-        sites, settings = graded.sites, replace(settings, cell_size="auto", stretch=graded.stretch)
+        sites = graded.sites
+        settings = replace(settings, cell_size="auto", stretch=graded.stretch, strict=False)
     filling = fill_sections(found.sections, sites, settings, rectangle)
     layers: Sequence[Layer] = filling.layers
     if settings.lofts:

@@ -58,7 +58,7 @@ def test_what_is_no_request_is_answered_in_words(worker: Worker, line: bytes, sa
     [
         ({"cell_size": 900}, {}, "larger than the part", "cell_size"),
         ({"cell_size": -1}, {}, "give a number above 0 mm", "cell_size"),
-        ({"cell_size": "big"}, {}, "give a number or auto", "cell_size"),
+        ({"cell_size": "big"}, {}, "give a number, auto, or an expression", "cell_size"),
         ({"cell_size": True}, {}, "give a number or auto", "cell_size"),
         ({"layer_height": "thin"}, {}, "give a number", "layer_height"),
         ({"random_seed": 1.5}, {}, "give a whole number", "random_seed"),

@@ -51,6 +51,10 @@ def settings_from(
                 "structure depends on it"
             )
         chosen[name] = _value(field, hints[name])
+        known = declared(FillSettings, name)
+        if known.fields and isinstance(chosen[name], str) and chosen[name] not in known.words:
+            # The sites that an expression made are listed in its place.
+            raise field.error(f"{field.value[:40]!r}: give a number or {' or '.join(known.words)}")
         try:
             FillSettings(**{"method": method, name: chosen[name]})
         except SettingError as error:
