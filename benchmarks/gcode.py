@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from v3dcad.formats.gcode.machine_profile import read_profile
 from v3dcad.formats.gcode.writer import write_gcode
 from v3dcad.model import EXTRUDE, Toolpath
 from v3dcad.settings import PrintSettings
@@ -148,7 +149,9 @@ def thesis() -> None:
             export_step(part, str(file))
             structure = v3dcad.fill(file, method="thesis", sites=sites, offset=offset)
             for route in ("least-retrace", "trails", "tree"):
-                options = PrintSettings(route=route, contour="centre")
+                options = PrintSettings(
+                    **{**read_profile("thesis"), "route": route, "contour": "centre"}
+                )
                 found = structure.write_gcode(Path(folder) / "part.gcode", options).totals
                 print(
                     f"{name:>14} {route:>14}: {found.time_s / 3600:5.1f} h, "

@@ -26,7 +26,8 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(7)
+FEATURES = 7
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(FEATURES)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 

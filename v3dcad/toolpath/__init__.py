@@ -7,6 +7,7 @@ route       strokes: least retrace (euler), trails; tree_route: the thesis's ord
 solid       areas covered with parallel beads
 plan        which strokes a layer has, in which order
 travel      ways inside the part
+cooling     short layers printed slower
 beads       `trace`: layers to toolpaths
 report      what a layer's printing comes to
 """

@@ -35,10 +35,16 @@ class LayerReport:
     """sites whose cells a bead fills: it is wider than twice their gap"""
     narrow_area: float
     """mm² of the section too narrow for a perimeter"""
+    seconds: float
+    """how long it takes"""
+    hurried: bool
+    """whether it takes less than `minimum_layer_time`, even at the slowest speed"""
 
 
-def layer_report(toolpath: Toolpath, before: Floats, strokes: int, plan: Plan) -> LayerReport:
-    """What a layer's toolpath, which began at `before` (3,), comes to."""
+def layer_report(
+    toolpath: Toolpath, before: Floats, strokes: int, plan: Plan, seconds: float
+) -> LayerReport:
+    """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to."""
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
@@ -54,6 +60,8 @@ def layer_report(toolpath: Toolpath, before: Floats, strokes: int, plan: Plan) -
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings.bead_width).tolist()),
         narrow_area=plan.narrow_area,
+        seconds=seconds,
+        hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
     )
 
 
@@ -75,12 +83,15 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
     """What the user should know of a print, a sentence each; nothing where all is well."""
     narrow: dict[int, list[int]] = {}
     unreached, unreached_on, joined = 0.0, 0, 0
+    hurried: list[LayerReport] = []
     for report in reports:
         for site in report.narrow_cells:
             narrow.setdefault(site, []).append(report.layer)
         unreached += report.narrow_area
         unreached_on += report.narrow_area > 0
         joined += report.joined_edges
+        if report.hurried:
+            hurried.append(report)
     found = []
     if narrow:
         named = ", ".join(
@@ -96,6 +107,13 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
         found.append(
             f"{unreached:.2f} mm² of {unreached_on} layers are too narrow for a bead and stay "
             "empty; use a narrower bead, or --contour centre"
+        )
+    if hurried:
+        shortest = min(hurried, key=lambda report: report.seconds)
+        found.append(
+            f"{len(hurried)} layers take less than --minimum-layer-time at the slowest speed; the "
+            f"shortest, layer {shortest.layer}, {shortest.seconds:.1f} s: print several parts at "
+            "once, or lower --slowest-speed"
         )
     if joined:
         found.append(f"{joined} edges shorter than --minimum-edge were joined to their neighbours")
