@@ -86,7 +86,7 @@ def table() -> None:
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for cells, count in ((300, 150), (4000, 20)):
         source = list(filled("square", cells, count).layers)
-        for route in ("least-retrace", "trails", "tree"):
+        for route in ("joined", "least-retrace", "trails", "tree"):
             options = PrintSettings(route=route, bed="800x800")
             reports = []
             began = time.process_time()

@@ -275,7 +275,7 @@ class PrintSettings(Checked):
         False, "Extrude less where beads overlap at a junction, by the area they share."
     )
     minimum_edge: float = setting(
-        0.05, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
+        0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
     )
 
     contour: str = setting(
@@ -284,7 +284,7 @@ class PrintSettings(Checked):
         "thesis does.",
         choices=("inset", "centre"),
     )
-    perimeters: int = setting(1, "Number of perimeters along each contour.", least=1, most=1000)
+    perimeters: int = setting(2, "Number of perimeters along each contour.", least=1, most=1000)
     perimeter_order: str = setting(
         "together",
         "Print the innermost perimeter in one stroke with the cells, or all perimeters before "
@@ -292,10 +292,11 @@ class PrintSettings(Checked):
         choices=("together", "before", "after"),
     )
     route: str = setting(
-        "least-retrace",
-        "Order of the edges: one closed stroke with the least retrace, trails that pass nothing "
-        "twice, or cell after cell along the spanning tree.",
-        choices=("least-retrace", "trails", "tree"),
+        "joined",
+        "How walls are printed: of two beads in one closed stroke; or of one bead, in a stroke "
+        "with the least retrace, in trails that pass nothing twice, or cell after cell along the "
+        "spanning tree.",
+        choices=("joined", "least-retrace", "trails", "tree"),
     )
     bottom_layers: int = setting(0, "Solid layers at the bottom.", least=0)
     top_layers: int = setting(0, "Solid layers at the top.", least=0, most=1000)

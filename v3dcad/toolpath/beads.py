@@ -27,8 +27,10 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.cooling import cooled
-from v3dcad.toolpath.plan import Plan, Stroke
+from v3dcad.toolpath.joining import Bridged
+from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
+from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.travel import Traveller
 
 APPROACH = 5.0
@@ -47,11 +49,12 @@ def trace(
     layer as soon as it is traced. Layers are held only as long as it takes to know whether
     they are among the top ones. Raises `GeometryError` where layers do not ascend.
     """
-    nozzle = Nozzle(settings)
+    nozzle, bridged = Nozzle(settings), Bridged()
     for layer, solid in _solid_marked(layers, settings):
         area = section_area(layer.section)
-        plan = Plan(layer, area, settings, solid, first=nozzle.level == 0)
+        first = nozzle.level == 0
         nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
+        plan = Plan(layer, area, settings, solid, first, nozzle.spacing, bridged)
         before, strokes = nozzle.position, 0
         for stroke in plan.strokes(before[:2]):
             nozzle.print(stroke)
@@ -96,6 +99,7 @@ class Nozzle:
         self.position = np.zeros(3)
         self.level = 0.0
         self._area = 0.0
+        self.spacing = 0.0
         self._speed = np.zeros(0)
         self._traveller: Traveller
         self.started = False
@@ -113,6 +117,8 @@ class Nozzle:
             )
         flow = settings.flow if below else settings.first_layer_flow
         area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
+        # Beads so far apart fill the layer between them.
+        self.spacing = area / (self.level - below)
         self._area = area * flow / 100
         self._speed = np.minimum(
             _speeds(settings, first=not below), settings.most_flow / self._area

@@ -9,6 +9,7 @@ import numpy as np
 
 from v3dcad.geometry import arcs
 from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
+from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.plan import Plan
 
 MOST_NAMED = 5
@@ -58,19 +59,22 @@ def layer_report(
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
         least_retraced=plan.least_retraced,
         joined_edges=plan.joined,
-        narrow_cells=tuple(narrow_cells(plan.layer, plan.settings.bead_width).tolist()),
+        narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
         narrow_area=plan.narrow_area,
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
     )
 
 
-def narrow_cells(layer: Layer, width: float) -> Ints:
-    """Site ids of the cells whose gap is less than half a bead of this width (mm).
+def narrow_cells(layer: Layer, settings: PrintSettings) -> Ints:
+    """Site ids of the cells whose gap is less than half a bead, where both print one wall.
 
-    A cell's gap is taken as 4 · area ÷ perimeter, which for a regular polygon is the diameter
-    of the circle inside it.
+    In joined strokes there are none: cells too small for a loop are left out. A cell's gap is taken
+    as 4 · area ÷ perimeter, which for a regular polygon is the diameter of the circle inside it.
     """
+    if settings.route == "joined":
+        return np.empty(0, np.int64)
+    width = settings.bead_width
     count = len(layer.state.sites)
     areas = layer.diagram.areas(count)
     lengths, inner = layer.diagram.lengths(), layer.diagram.inner()

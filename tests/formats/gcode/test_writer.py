@@ -342,7 +342,7 @@ def test_speeds_of_zero_are_refused(name: str) -> None:
 
 
 def test_choices_are_checked() -> None:
-    with pytest.raises(SettingError, match="--route spiral: give least-retrace or trails or tree"):
+    with pytest.raises(SettingError, match="--route spiral: give joined or least-retrace or"):
         PrintSettings(route="spiral")
 
 

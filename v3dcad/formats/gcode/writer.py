@@ -22,6 +22,7 @@ from v3dcad.model import (
     BRIM,
     CELLS,
     EXTRUDE,
+    INNER_PERIMETER,
     PERIMETER,
     SKIRT,
     SOLID,
@@ -32,6 +33,7 @@ from v3dcad.settings import PrintSettings
 
 COMMENTS = {
     PERIMETER: b";TYPE:WALL-OUTER\n",
+    INNER_PERIMETER: b";TYPE:WALL-INNER\n",
     CELLS: b";TYPE:FILL\n",
     SOLID: b";TYPE:SKIN\n",
     BRIM: b";TYPE:SKIRT\n",
