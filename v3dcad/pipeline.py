@@ -104,7 +104,7 @@ class Structure(Forms):
     def properties(
         self, bead_width: float = PrintSettings().bead_width, density: float = 1.24
     ) -> Properties:
-        """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
+        """Volume, mass, centre, inertia, walls one bead thick; `density` in g/cm³ (PLA: 1.24)."""
         return properties(self.layers, self.settings.layer_height, bead_width, density)
 
     def facets(self, beyond: float = 0.0) -> Facets:
