@@ -21,6 +21,7 @@ MAY_IMPORT = {
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
+    "fields": INSIDE | {"fields"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
     "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
@@ -32,7 +33,17 @@ MAY_IMPORT = {
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE
     | RIM
-    | {"files", "forms", "parts", "recipes", "report", "structure", "toolpath", "version"},
+    | {
+        "fields",
+        "files",
+        "forms",
+        "parts",
+        "recipes",
+        "report",
+        "structure",
+        "toolpath",
+        "version",
+    },
     "watched": set(),
     "exports": INSIDE | {"pipeline"},
     "worker": INSIDE
@@ -100,6 +111,8 @@ ONLY_IN = {
     "llvmlite": {"geometry/compiled"},
     "build123d": {"adapters"},
     "cadquery": {"adapters"},
+    "meshio": {"fields/table.py"},
+    "PIL": {"fields/image.py"},
     "serial": {"printer/serial_link.py"},
     "aiohttp": {"printer/http_link.py"},
 }
@@ -186,7 +199,9 @@ def loaded_by(code: str) -> set[str]:
     return set(done.stdout.splitlines()[-1].split())
 
 
-HEAVY = {"OCP", "numba", "matplotlib", "scipy", "shapely", "build123d", "cadquery"}
+HEAVY = {
+    "OCP", "numba", "matplotlib", "scipy", "shapely", "build123d", "cadquery", "meshio", "PIL"
+}  # fmt: skip
 
 
 def test_import_loads_nothing_heavy() -> None:

@@ -21,16 +21,12 @@ def module_of(path: Path) -> str:
     return ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
 
 
-TILE_MAKERS = {"cluster", "darts", "energy", "fire", "make_tile", "relaxing"}
-"""Modules of the program that made the shipped sites; nothing else loads them."""
-
-
 def with_compiled_functions() -> list[str]:
     """The modules that hold compiled functions, which are compiled when the module is loaded."""
     return sorted(
         module_of(path)
         for path in PACKAGE.rglob("*.py")
-        if not (path.parent.name == "foam" and path.stem in TILE_MAKERS)
+        if path.stem != "make_tile"  # the program that made the shipped sites
         for function in ast.parse(path.read_text("utf-8")).body
         if isinstance(function, ast.FunctionDef)
         for decorator in function.decorator_list

@@ -6,7 +6,7 @@ by identity; their arrays cannot be written to. `docs` of each field give shape 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol
@@ -29,6 +29,13 @@ TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 FEATURES = 8
 NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER = range(FEATURES)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
+
+Progress = Callable[[str, int, int], object]
+"""Hears of a step of long work, and how much of how much is done in it."""
+
+
+def unheard(step: str, done: int, of: int) -> None:
+    """The progress that nobody listens to."""
 
 
 class Value:
@@ -91,6 +98,10 @@ class Placement(Value):
         """The points (n, 3), given in bed coordinates, where the source lies."""
         moved: Floats = points - self.translation
         return moved if self.is_shift() else moved @ self.rotation
+
+    def inverse(self) -> Placement:
+        """The motion back."""
+        return Placement(self.rotation.T, -(self.translation @ self.rotation))
 
     def is_shift(self) -> bool:
         """Whether nothing is turned."""
@@ -155,6 +166,12 @@ class Part(Protocol):
         """(3,) outward unit normal of a plane face, or of a triangle, by its number from 0.
 
         `SettingError` where there is no such face, or it is not plane.
+        """
+
+    def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
+        """Some of its faces as triangles, by their numbers from 0; of triangles, these themselves.
+
+        `SettingError` where there is no such face.
         """
 
     def placed(self, placement: Placement) -> Part:

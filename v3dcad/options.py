@@ -55,6 +55,7 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     if known.method is not None:
         says += f" Method {known.method} only."
     number = ("NUMBER", *known.words) if known.words else ()
+    number += ("EXPRESSION",) if known.fields else ()
     shown = typer.Option(
         *names,
         help=says,

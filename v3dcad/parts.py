@@ -54,6 +54,14 @@ class MeshPart:
         unit: Floats = normals(self.surface.vertices[self.surface.triangles[[face]]])[0]
         return unit
 
+    def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
+        """Some triangles, by their numbers from 0."""
+        count = len(self.surface.triangles)
+        for face in faces:
+            if not 0 <= face < count:
+                raise SettingError("faces", f"face {face}: the triangles are 0 to {count - 1}")
+        return Mesh(self.surface.vertices, self.surface.triangles[list(faces)])
+
     def placed(self, placement: Placement) -> MeshPart:
         """The same triangles, moved."""
         if placement.is_still():

@@ -15,7 +15,19 @@ import numpy as np
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
-from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Part, Placement, Recipe, Section
+from v3dcad.model import (
+    Checksum,
+    Diagram,
+    Floats,
+    Ints,
+    Layer,
+    Part,
+    Placement,
+    Progress,
+    Recipe,
+    Section,
+    unheard,
+)
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -29,7 +41,7 @@ from v3dcad.recipes import (
     read_ont,
     sites_of,
 )
-from v3dcad.report import Print, report
+from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
@@ -43,6 +55,7 @@ from v3dcad.version import VERSION
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
+    from v3dcad.structure.foam.graded import Graded
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,7 +72,10 @@ class Structure(Forms):
     layers: Sequence[Layer]
     """computed as they are asked for; gone through as often as one likes"""
     given: Floats | None
-    """(n, 3) or (n, 2) mm: the sites that a user gave, to the last bit"""
+    """(n, 3) or (n, 2) mm: the sites that a user gave, or that a cell size which differs from place
+    to place made; to the last bit"""
+    graded: Graded | None = None
+    """how such cells differ from what was asked"""
 
     @property
     def settings(self) -> FillSettings:
@@ -201,7 +217,10 @@ class Structure(Forms):
         `printed` is what `write_gcode` told, for the same print settings.
         """
         width = (printing or PrintSettings()).bead_width
-        return report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
+        told = report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
+        if self.graded is not None:
+            told["graded"] = graded_report(self.graded)
+        return told
 
     def write_report(
         self,
@@ -221,14 +240,17 @@ def build(
     settings: FillSettings,
     sites: Floats | None = None,
     executor: Executor | None = None,
+    progress: Progress = unheard,
 ) -> Structure:
-    """Part → sections → structure; opens no file, port or window.
+    """Part → sections → structure; opens no port or window, and files only as a cell size names
+    them.
 
     `sites` (n, 3), mm, bed coordinates, or (n, 2) for columns, take the place of those that the
-    settings say. An executor computes several sections at a time. Raises `SettingError` where
+    settings say. An executor computes several sections at a time; `progress` hears of the steps
+    in which the sites of cells of many sizes are made. Raises `SettingError` where
     settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
     """
-    return fill_sectioned(sectioned(part, settings, executor), settings, sites)
+    return fill_sectioned(sectioned(part, settings, executor), settings, sites, progress)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -253,7 +275,10 @@ def sectioned(
 
 
 def fill_sectioned(
-    found: SectionedPart, settings: FillSettings, sites: Floats | None = None
+    found: SectionedPart,
+    settings: FillSettings,
+    sites: Floats | None = None,
+    progress: Progress = unheard,
 ) -> Structure:
     """The second half of `build`, for a part that was cut by the same settings."""
     if sites is not None:
@@ -267,12 +292,20 @@ def fill_sectioned(
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
+    graded: Graded | None = None
+    if not isinstance(settings.cell_size, float | int) and settings.cell_size != "auto":
+        from v3dcad.fields.sources import size_field
+        from v3dcad.structure.foam.graded import graded_sites
+
+        low, high = part.bounds
+        graded = graded_sites(size_field(settings.cell_size, part), low, high, settings, progress)
+        sites, settings = graded.sites, replace(settings, cell_size="auto", stretch=graded.stretch)
     filling = fill_sections(found.sections, sites, settings, rectangle)
     layers: Sequence[Layer] = filling.layers
     if settings.lofts:
         assert isinstance(filling, ThesisFilling)
         layers = lofted(filling, found.heights)
-    return Structure(part, part.placement, filling, layers, sites)
+    return Structure(part, part.placement, filling, layers, sites, graded)
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:
@@ -286,6 +319,7 @@ def fill(
     sites: int | Sequence[Sequence[float]] | Floats | None = None,
     verify: bool = True,
     executor: Executor | None = None,
+    progress: Progress = unheard,
     **settings: Any,
 ) -> Structure:
     """Fill a part with a foam, or with the thesis's structure.
@@ -295,7 +329,9 @@ def fill(
     are places in mm, bed coordinates, that take the place of those that the settings say: (n, 3)
     with a `stretch` that is a number, or (n, 2) for columns and the thesis's method; for the latter
     also how many to scatter. An executor (of threads, of processes, a cluster's) computes several
-    sections at a time. Further settings are the fields of `FillSettings`. What a recipe says is
+    sections at a time. With a `cell_size` that is an expression or a function of x, y, z (n,), mm,
+    where the source lies, cells are as large as it says; `progress` hears of the steps in which
+    they are made. Further settings are the fields of `FillSettings`. What a recipe says is
     taken from it, unless given here; where nothing is, the structure must have the recipe's check
     sum (`verify=False`: need not). Raises `V3dcadError`s that say what to do.
     """
@@ -304,24 +340,28 @@ def fill(
     if isinstance(source, Recipe):
         if sites is not None or settings:
             source = changed(source, sites, settings)
-        return build_recipe(source, verify=verify, executor=executor)
+        return build_recipe(source, verify=verify, executor=executor, progress=progress)
     if sites is None or isinstance(sites, int):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
-        return build(part_from(source), chosen, None, executor)
+        return build(part_from(source), chosen, None, executor, progress)
     explicit = given_sites(sites)
-    return build(part_from(source), known_settings(settings, explicit), explicit, executor)
+    chosen = known_settings(settings, explicit)
+    return build(part_from(source), chosen, explicit, executor, progress)
 
 
 def build_recipe(
-    recipe: Recipe, *, verify: bool = True, executor: Executor | None = None
+    recipe: Recipe,
+    *,
+    verify: bool = True,
+    executor: Executor | None = None,
+    progress: Progress = unheard,
 ) -> Structure:
     """The structure of a recipe; where a source was moved to the bed, it lies where that lay.
 
     Raises `FormatError` where the structure is not the one whose check sum the recipe has,
     unless `verify` is off; otherwise as `build`.
     """
-    structure = build(part_of(recipe), recipe.settings, sites_of(recipe), executor)
-    structure = replace(structure, placement=recipe.placement.then(structure.placement))
+    structure = build(part_of(recipe), recipe.settings, sites_of(recipe), executor, progress)
     if verify and recipe.checksum is not None:
         differences = structure.checksum().differences(recipe.checksum)
         if differences:

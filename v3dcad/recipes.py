@@ -40,12 +40,12 @@ def boundary_of(part: Part) -> Mesh | Brep:
 
 
 def part_of(recipe: Recipe) -> Part:
-    """The part in a recipe; `KernelError` where its B-rep cannot be read."""
+    """The part in a recipe, on the bed; `KernelError` where its B-rep cannot be read."""
     if isinstance(recipe.boundary, Mesh):
-        return MeshPart(recipe.name, recipe.boundary)
+        return MeshPart(recipe.name, recipe.boundary, placement=recipe.placement)
     from v3dcad.kernel.brep_bytes import part_in
 
-    return part_in(recipe.boundary, recipe.name)
+    return replace(part_in(recipe.boundary, recipe.name), placement=recipe.placement)
 
 
 def read_ont(path: str | Path) -> Recipe:

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from v3dcad.structure.foam.space import steepest_in, tilt
 from v3dcad.structure.overhang import Overhang
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.toolpath.report import LayerReport
+
+if TYPE_CHECKING:
+    from v3dcad.structure.foam.graded import Graded
 
 MEASURED = 1000
 """How many cells are measured to say how tall they are; more would not change the mean."""
@@ -170,6 +173,29 @@ def _row(layer: Layer) -> dict[str, Any]:
         "contour_length_mm": float(lengths[~inner].sum()),
         "area_per_cell_mm2": layer.area_per_cell,
     }
+
+
+def graded_report(graded: Graded) -> dict[str, Any]:
+    """How cells of many sizes differ from what was asked."""
+    return {
+        "asked_mm": list(graded.asked),
+        "made_mm": list(graded.made),
+        "finest_share_of_asked": graded.finest,
+        "finer_share_of_box": graded.finer,
+    }
+
+
+def graded_line(graded: dict[str, Any]) -> str:
+    """The sizes of cells in one line."""
+    low, high = graded["asked_mm"]
+    line = f"{low:.4g} to {high:.4g} mm asked"
+    if graded["finer_share_of_box"]:
+        line += (
+            f"; smaller than asked in {100 * graded['finer_share_of_box']:.2g} % of the part's box,"
+            f" down to {100 * graded['finest_share_of_asked']:.2g} %, where the size changes more "
+            "steeply than cells can follow"
+        )
+    return line
 
 
 def certificate_line(overhang: dict[str, float]) -> str:

@@ -9,12 +9,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from v3dcad.errors import SettingError
 
 T = TypeVar("T")
+
+Field = Callable[[Any, Any, Any], Any]
+"""What differs from place to place: values (n,) at x, y and z (n,), mm, where the source lies."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +34,8 @@ class Declared:
     choices: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
     """words that may take a number's place"""
+    fields: bool = False
+    """whether a function of x, y, z may, or an expression of them"""
     also: tuple[float, ...] = ()
     """numbers that are allowed outside the range"""
     method: str | None = None
@@ -40,6 +46,8 @@ class Declared:
         if self.choices and value not in self.choices:
             raise SettingError(name, f"{option(name)} {value}: give {' or '.join(self.choices)}")
         if isinstance(value, str) and (value in self.words or not self.words):
+            return
+        if self.fields and (isinstance(value, str) or callable(value)):
             return
         if not isinstance(value, (int, float)):
             words = " or ".join(["a number", *self.words])
@@ -127,13 +135,15 @@ class FillSettings(SectionSettings):
         "What the part is filled with: a foam of cells in space, or the thesis's own structure.",
         choices=("foam", "thesis"),
     )
-    cell_size: float | str = setting(
+    cell_size: float | str | Field = setting(
         "auto",
         "Size of the cells: a horizontal section has one for each square of this side; auto takes "
-        "40 in the base rectangle, from 3 to 15 mm.",
+        "40 in the base rectangle, from 3 to 15 mm. An expression of x, y, z makes it differ from "
+        "place to place.",
         unit="mm",
         above=0,
         words=("auto",),
+        fields=True,
         method="foam",
     )
     stretch: float | str = setting(
@@ -143,6 +153,12 @@ class FillSettings(SectionSettings):
         least=1,
         most=100,
         words=("auto", "columns"),
+        method="foam",
+    )
+    strict: bool = setting(
+        False,
+        "Refuse a cell size that changes more steeply than cells can follow, instead of making "
+        "them smaller there.",
         method="foam",
     )
     max_overhang: float = setting(

@@ -22,7 +22,9 @@ def warm_up() -> None:
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     sides = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     vertices = np.concatenate([4 * corners, corners + 0.5])
-    _make((vertices, np.concatenate([sides[1:], sides[:, ::-1] + len(corners)])))
+    hollow = vertices, np.concatenate([sides[1:], sides[:, ::-1] + len(corners)])
+    _make(hollow)
+    fill(part_from(hollow, repair=True), cell_size="1 + 0.1 * x", layer_height=2.0)
     from v3dcad.kernel.warm_up_part import trial_part
 
     _make(trial_part())

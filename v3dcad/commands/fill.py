@@ -89,7 +89,7 @@ def fill(
     with Progress() as progress:
         progress.start("reading and cutting the part")
         source = part_of(part, rotate, up, repair, as_brep) or part
-        structure = fill_part(source, verify=verify, **chosen)
+        structure = fill_part(source, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
@@ -154,10 +154,13 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
 
 
 def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    from v3dcad.report import foam_lines
+    from v3dcad.report import foam_lines, graded_line
 
     if "foam" in summary:
-        return list(foam_lines(summary["foam"]).items())
+        rows = list(foam_lines(summary["foam"]).items())
+        if "graded" in summary:
+            rows.insert(0, ("cell sizes", graded_line(summary["graded"])))
+        return rows
     return [
         ("births", f"{len(summary['births'])}"),
         ("offset", f"{summary['settings']['offset']:.6g} mm² a layer"),

@@ -22,6 +22,7 @@ class Progress:
             progress.TextColumn("{task.description}"),
             progress.BarColumn(),
             progress.TimeElapsedColumn(),
+            progress.TimeRemainingColumn(),
             console=console,
             transient=True,
             disable=not console.is_terminal,
@@ -41,6 +42,10 @@ class Progress:
         """Begin a step of known length; the function moves the bar by so much."""
         self.bar.reset(self.task, total=total, description=what)
         return lambda done: self.bar.advance(self.task, done)
+
+    def step(self, what: str, done: int, of: int) -> None:
+        """Show a step of the work, and how much of it is done."""
+        self.bar.update(self.task, description=what, completed=done, total=of if of > 1 else None)
 
     def pause(self) -> None:
         """Take the bar away, so that something can be asked; `go_on` brings it back."""

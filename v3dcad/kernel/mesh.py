@@ -72,14 +72,20 @@ def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
     return refined(mesh, triangles[inside], parameters[inside])
 
 
-def triangle_mesh(shape: TopoDS_Shape, sag: float, angle: float) -> Mesh:
+def triangle_mesh(
+    shape: TopoDS_Shape, sag: float, angle: float, faces: tuple[int, ...] | None = None
+) -> Mesh:
     """The surface of a shape's solids as closed triangles, within `sag` (mm) of the true one.
 
-    `angle` (radians) is the largest turn between neighbours. Raises as `surface_mesh` does.
+    `angle` (radians) is the largest turn between neighbours; `faces` picks some by their numbers,
+    as they are met, from 0. Raises as `surface_mesh` does.
     """
     mesh = _collected(shape, sag, angle).mesh()
     a, b, c = mesh.triangles.T
-    return Mesh(mesh.nodes, mesh.triangles[(a != b) & (b != c) & (c != a)])
+    kept = (a != b) & (b != c) & (c != a)
+    if faces is not None:
+        kept &= np.isin(mesh.faces, faces)
+    return Mesh(mesh.nodes, mesh.triangles[kept])
 
 
 def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:

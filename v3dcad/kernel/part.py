@@ -94,6 +94,14 @@ class SolidPart:
         axis = np.cross(frame.XDirection().Coord(), frame.YDirection().Coord())
         return -axis if faces[face].Orientation() == TopAbs_REVERSED else axis
 
+    def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
+        """Some faces as triangles, by their numbers from 0, within `MESH_SAG` of them."""
+        count = sum(1 for _ in subshapes(self.shape, FACE))
+        for face in faces:
+            if not 0 <= face < count:
+                raise SettingError("faces", f"face {face}: the part's faces are 0 to {count - 1}")
+        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN, faces)
+
     def placed(self, placement: Placement) -> SolidPart:
         """The same solids, moved; where they are only shifted, their bounds go with them."""
         if placement.is_still():

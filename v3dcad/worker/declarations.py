@@ -81,7 +81,7 @@ def _declaration(group: str, cls: type[Checked], name: str) -> dict[str, Any]:
 
 def _value(cls: type[Checked], name: str, value: object) -> object:
     kind, known = _type(cls, name), declared(cls, name)
-    if isinstance(value, str) and (kind is str or value in known.words):
+    if isinstance(value, str) and (kind is str or known.fields or value in known.words):
         return value
     if kind is bool and isinstance(value, bool):
         return value

@@ -49,7 +49,8 @@ class Kept:
         asked = _key(source, settings, sites)
 
         def make() -> Structure:
-            return fill_sectioned(self._sectioned(source, settings, stage), settings, sites)
+            found = self._sectioned(source, settings, stage)
+            return fill_sectioned(found, settings, sites, stage)
 
         return self._structure.get(asked, make)
 

@@ -4,7 +4,6 @@ from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 from tests.geometry.voronoi import oracle
-from v3dcad.geometry.voronoi.bins import bins_of, homes_of
 from v3dcad.geometry.voronoi.reach import cell_reaches
 
 
@@ -13,8 +12,7 @@ def test_no_cell_reaches_farther_than_its_bound(count, seed, unevenness):
     rng = np.random.default_rng(seed)
     places = rng.random((count, 3)) ** unevenness
     low, high = np.full(3, 0.2), np.array([0.7, 0.8, 0.6])
-    bins = bins_of(places, np.zeros(3), np.ones(3), periodic=False)
-    reaches = cell_reaches(bins, places, low, high)[homes_of(bins, places)]
+    _, reaches = cell_reaches(places, low, high)
     # Random points of the box, and corners of cells, which are the farthest points of all.
     points = low + rng.random((2000, 3)) * (high - low)
     corners = np.concatenate([*oracle.walls(places).values(), points])
@@ -29,7 +27,6 @@ def test_bounds_of_even_sites_are_near_the_truth():
     steps = np.arange(12.0)
     places = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
     places += np.random.default_rng(1).uniform(-0.2, 0.2, places.shape)
-    bins = bins_of(places, places.min(axis=0), places.max(axis=0), periodic=False)
-    reaches = cell_reaches(bins, places, np.full(3, 5.0), np.full(3, 6.0))
+    _, reaches = cell_reaches(places, np.full(3, 5.0), np.full(3, 6.0))
     assert reaches.max() < 1.5
     assert reaches.min() == 0

@@ -8,7 +8,7 @@ from v3dcad.geometry.compiled.options import ENTRY
 from v3dcad.geometry.voronoi.periodic import with_copies
 from v3dcad.structure.foam.darts import poisson_disk
 from v3dcad.structure.foam.energy import ACTIVE, DISTANCE, PUSH, WEIGHT, add_gradients
-from v3dcad.structure.foam.relaxing import check_all, foam_of
+from v3dcad.structure.foam.relaxing import check_all, periodic_foam
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +42,7 @@ def energy(places):
 def test_the_gradient_is_that_of_the_energy(seed):
     places = poisson_disk(BOX, 0.9, seed)
     count = len(places)
-    foam, _ = foam_of(places, np.ones(count), BOX, 0)
+    foam, _ = periodic_foam(places, np.ones(count), BOX, 0)
     check_all(foam, LEAN, 0.0)
     foam.counts[:] = 0
     foam.counts[ACTIVE] = count

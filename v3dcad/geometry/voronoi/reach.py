@@ -8,18 +8,21 @@ farther from its nearest site than the middle is, plus half the cube's diagonal.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows
-from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
+from v3dcad.geometry.compiled.options import ENTRY, INLINED, INTERNAL, compiled
 from v3dcad.geometry.voronoi.bins import (
     CROWDED,
     ROOM,
     Bins,
     bin_at,
+    bin_of,
     bins_of,
     gather,
-    homes_of,
+    layer_of,
     too_uneven,
 )
 from v3dcad.geometry.voronoi.neighbours import spacing_around
@@ -46,6 +49,74 @@ def square_between(offsets: FloatRows, site: int, x: float, y: float, z: float) 
     return dx * dx + dy * dy + dz * dz
 
 
+class Bin(NamedTuple):
+    """One bin in which distances are bounded, and the sites near it."""
+
+    sides: FloatArray
+    """(3,)"""
+    half: float
+    """half its diagonal"""
+    offsets: FloatRows
+    """(m, 3) the sites around, from the bin's middle"""
+    near: int
+    """how many these are"""
+    enough: float
+    """a bound that need not be bettered"""
+    low: FloatArray
+    high: FloatArray
+    """(3,) the box that points count in, from the bin's middle"""
+
+
+@compiled(INLINED)
+def is_outside(middle: float, half: float, low: float, high: float) -> bool:
+    """Whether an interval around its middle has no point from low to high."""
+    return middle + half < low or middle - half > high
+
+
+@compiled(INTERNAL)
+def bound_in(around: Bin, cubes: FloatRows) -> float:
+    """A bound on how far a bin's points in the box are from the nearest of the sites around it.
+
+    `cubes` is room to work in.
+    """
+    offsets, sides, enough = around.offsets, around.sides, around.enough
+    low, high = around.low, around.high
+    bound, met, best, open_cubes = 0.0, 0.0, 0, 1
+    cubes[0, 0], cubes[0, 1], cubes[0, 2], cubes[0, 3] = 0.0, 0.0, 0.0, 1.0
+    while open_cubes > 0:
+        open_cubes -= 1
+        x, y, z, share = cubes[open_cubes]
+        if (
+            is_outside(x, sides[0] * share / 2, low[0], high[0])
+            or is_outside(y, sides[1] * share / 2, low[1], high[1])
+            or is_outside(z, sides[2] * share / 2, low[2], high[2])
+        ):
+            continue
+        half = around.half * share
+        passes = max(enough - half, 0.0) ** 2
+        # What is nearest to one cube is mostly near enough to the next one.
+        nearest = square_between(offsets, best, x, y, z)
+        site = 0
+        while nearest > passes and site < around.near:
+            square = square_between(offsets, site, x, y, z)
+            if square < nearest:
+                best, nearest = site, square
+            site += 1
+        nearest = np.sqrt(nearest)
+        if half + nearest > enough:
+            met = max(met, nearest)
+        if nearest + half <= max(enough, TIGHTNESS * met) or share < 2.0**-DEEPEST:
+            bound = max(bound, (nearest + half) * SAFETY)
+            continue
+        for corner in range(8):
+            cubes[open_cubes, 0] = x + sides[0] * share * (0.25 if corner & 1 else -0.25)
+            cubes[open_cubes, 1] = y + sides[1] * share * (0.25 if corner & 2 else -0.25)
+            cubes[open_cubes, 2] = z + sides[2] * share * (0.25 if corner & 4 else -0.25)
+            cubes[open_cubes, 3] = share / 2
+            open_cubes += 1
+    return bound
+
+
 @compiled(ENTRY)
 def bound_distances(
     bins: Bins, places: FloatRows, low: FloatArray, high: FloatArray, bounds: FloatArray, room: int
@@ -57,7 +128,8 @@ def bound_distances(
     """
     names, offsets, squares = np.empty(room, np.int64), np.empty((room, 3)), np.empty(room)
     cubes, middle, sides = np.empty((8 * DEEPEST + 8, 4)), np.empty(3), bins.sides
-    half_bin = np.sqrt(sides[0] ** 2 + sides[1] ** 2 + sides[2] ** 2) / 2
+    half = np.sqrt(sides[0] ** 2 + sides[1] ** 2 + sides[2] ** 2) / 2
+    box_low, box_high = np.empty(3), np.empty(3)
     for box in range(len(bounds)):
         bounds[box] = 0.0
         i, rest = divmod(box, bins.shape[1] * bins.shape[2])
@@ -67,56 +139,39 @@ def bound_distances(
         middle[2] = bins.low[2] + (k + 0.5) * sides[2]
         outside = False
         for axis in range(3):
-            outside |= middle[axis] + sides[axis] / 2 < low[axis]
-            outside |= middle[axis] - sides[axis] / 2 > high[axis]
+            box_low[axis], box_high[axis] = low[axis] - middle[axis], high[axis] - middle[axis]
+            outside |= is_outside(0.0, sides[axis] / 2, box_low[axis], box_high[axis])
         if outside:
             continue
-        # Any sites give a bound, and the nearest ones the best.
+        # Any sites give a bound, and the nearest ones the best: those no farther from the middle
+        # than the bound and half the bin.
         enough = ENOUGH * spacing_around(bins, i, j, k)
-        radius = enough + half_bin
-        count = gather(bins, places, middle, radius, names, offsets, squares)
-        while count == 0:
-            radius *= 2
+        radius = enough + half
+        if enough > half:  # so few sites around say little of their spacing
+            enough = 0.0
+        bound = np.inf
+        while bound + half > radius:
+            if bound < np.inf:
+                radius = (bound + half) * SAFETY
             count = gather(bins, places, middle, radius, names, offsets, squares)
-        if count == CROWDED:
-            return box
-        met, best, open_cubes = 0.0, 0, 1
-        cubes[0, 0], cubes[0, 1], cubes[0, 2], cubes[0, 3] = 0.0, 0.0, 0.0, 1.0
-        while open_cubes > 0:
-            open_cubes -= 1
-            x, y, z, share = cubes[open_cubes]
-            half = half_bin * share
-            passes = max(enough - half, 0.0) ** 2
-            # What is nearest to one cube is mostly near enough to the next one.
-            nearest = square_between(offsets, best, x, y, z)
-            site = 0
-            while nearest > passes and site < count:
-                square = square_between(offsets, site, x, y, z)
-                if square < nearest:
-                    best, nearest = site, square
-                site += 1
-            nearest = np.sqrt(nearest)
-            if half + nearest > enough:
-                met = max(met, nearest)
-            if nearest + half <= max(enough, TIGHTNESS * met) or share < 2.0**-DEEPEST:
-                bounds[box] = max(bounds[box], (nearest + half) * SAFETY)
-                continue
-            for corner in range(8):
-                cubes[open_cubes, 0] = x + sides[0] * share * (0.25 if corner & 1 else -0.25)
-                cubes[open_cubes, 1] = y + sides[1] * share * (0.25 if corner & 2 else -0.25)
-                cubes[open_cubes, 2] = z + sides[2] * share * (0.25 if corner & 4 else -0.25)
-                cubes[open_cubes, 3] = share / 2
-                open_cubes += 1
+            while count == 0:
+                radius *= 2
+                count = gather(bins, places, middle, radius, names, offsets, squares)
+            if count == CROWDED:
+                return box
+            around = Bin(sides, half, offsets, count, enough, box_low, box_high)
+            bound = min(bound, bound_in(around, cubes))
+        bounds[box] = bound
     return -1
 
 
 @compiled(ENTRY)
-def spread_bounds(bins: Bins, bounds: FloatArray, reaches: FloatArray) -> None:
-    """For each bin, how far at most the cells of its sites reach: the greatest bound of the bins
-    that are so near that their bound lets them hold points of those cells.
+def spread_bounds(bins: Bins, bounds: FloatArray, farthest: FloatArray) -> None:
+    """For each bin the greatest bound of the bins that are so near that their bound lets them hold
+    points of its sites' cells.
     """
-    shape, sides, periodic = bins.shape, bins.sides, bins.periods[0] > 0
-    reaches[:] = 0.0
+    shape, sides = bins.shape, bins.sides
+    farthest[:] = 0.0
     box = -1
     for i in range(shape[0]):
         for j in range(shape[1]):
@@ -125,47 +180,65 @@ def spread_bounds(bins: Bins, bounds: FloatArray, reaches: FloatArray) -> None:
                 bound = bounds[box]
                 if bound == 0:
                     continue
-                out_i = np.int64(bound / sides[0]) + 1
-                out_j = np.int64(bound / sides[1]) + 1
-                out_k = np.int64(bound / sides[2]) + 1
-                for a in range(i - out_i, i + out_i + 1):
-                    for b in range(j - out_j, j + out_j + 1):
-                        for c in range(k - out_k, k + out_k + 1):
-                            if not periodic and not (
-                                0 <= a < shape[0] and 0 <= b < shape[1] and 0 <= c < shape[2]
-                            ):
-                                continue
+                out_i = int(bound / sides[0]) + 1
+                out_j = int(bound / sides[1]) + 1
+                out_k = int(bound / sides[2]) + 1
+                for a in range(max(i - out_i, 0), min(i + out_i + 1, shape[0])):
+                    for b in range(max(j - out_j, 0), min(j + out_j + 1, shape[1])):
+                        for c in range(max(k - out_k, 0), min(k + out_k + 1, shape[2])):
                             other = bin_at(bins, a, b, c)
-                            reaches[other] = max(reaches[other], bound)
+                            farthest[other] = max(farthest[other], bound)
 
 
-def cell_reaches(bins: Bins, places: Floats, low: Floats, high: Floats) -> Floats:
-    """For each bin, how far the cells of sites in it reach at most from them, within a box.
+@compiled(INTERNAL)
+def gap(bins: Bins, axis: int, layer: int, place: float) -> float:
+    """How far a place is from a layer of bins along an axis."""
+    start = bins.low[axis] + layer * bins.sides[axis]
+    return max(start - place, place - start - bins.sides[axis], 0.0)
 
-    `places` (n, 3) are the sites', low and high (3,) the corners of a box within the bins. Two
-    sites i, j share a wall in the box only if they are at most twice the smaller reach apart; 0
-    where no cell is in it.
-    `GeometryError` for sites so uneven that some bin has over `ROOM` sites around.
+
+@compiled(ENTRY)
+def reach_of_sites(
+    bins: Bins, bounds: FloatArray, farthest: FloatArray, places: FloatRows, reaches: FloatArray
+) -> None:
+    """For each site the greatest bound of the bins that are no farther from it than their bound.
+
+    `farthest` is what `spread_bounds` wrote; where sizes differ, it alone would be much too far.
     """
-    bounds, reaches = np.empty(len(bins.heads)), np.empty(len(bins.heads))
+    shape, first, last = bins.shape, np.empty(3, np.int64), np.empty(3, np.int64)
+    for site in range(len(places)):
+        x, y, z = places[site, 0], places[site, 1], places[site, 2]
+        reaches[site] = 0.0
+        radius = farthest[bin_of(bins, x, y, z)]
+        for axis in range(3):
+            first[axis] = layer_of(bins, axis, places[site, axis] - radius)
+            last[axis] = layer_of(bins, axis, places[site, axis] + radius)
+        for i in range(first[0], last[0] + 1):
+            square_i = gap(bins, 0, i, x) ** 2
+            for j in range(first[1], last[1] + 1):
+                square_j = square_i + gap(bins, 1, j, y) ** 2
+                for k in range(first[2], last[2] + 1):
+                    bound = bounds[(i * shape[1] + j) * shape[2] + k]
+                    if bound <= reaches[site]:
+                        continue
+                    if square_j + gap(bins, 2, k, z) ** 2 <= bound * bound:
+                        reaches[site] = bound
+
+
+def cell_reaches(places: Floats, low: Floats, high: Floats) -> tuple[Bins, Floats]:
+    """How far the cell of each site (n, 3) reaches at most from it in the box low … high (3,).
+
+    Two sites share a wall in the box only if they are at most twice the smaller reach apart; 0
+    where a cell is not in it. Also returns bins of the sites. `GeometryError` for sites so uneven
+    that some bin has over `ROOM` sites around.
+    """
+    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
+    bins = bins_of(places, start, end, periodic=False)
+    bounds, farthest = np.empty(len(bins.heads)), np.empty(len(bins.heads))
     crowded = bound_distances(bins, places, low, high, bounds, ROOM)
     if crowded >= 0:
         raise too_uneven(int(bins.heads[crowded]))
-    spread_bounds(bins, bounds, reaches)
-    return reaches
-
-
-def binned_reaches(places: Floats, low: Floats, high: Floats) -> tuple[Bins, Floats]:
-    """Bins around sites (n, 3) and the box low … high (3,), and for each its `cell_reaches`."""
-    start, end = np.minimum(places.min(axis=0), low), np.maximum(places.max(axis=0), high)
-    bins = bins_of(places, start, end, periodic=False)
-    return bins, cell_reaches(bins, places, low, high)
-
-
-def site_reaches(places: Floats, low: Floats, high: Floats) -> Floats:
-    """How far the cell of each site (n, 3) reaches at most from it in the box low … high (3,).
-
-    0 where the cell is not in the box. Raises `GeometryError` as `cell_reaches`.
-    """
-    bins, reaches = binned_reaches(places, low, high)
-    return reaches[homes_of(bins, places)]
+    spread_bounds(bins, bounds, farthest)
+    reaches = np.empty(len(places))
+    reach_of_sites(bins, bounds, farthest, places, reaches)
+    return bins, reaches

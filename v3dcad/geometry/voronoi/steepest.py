@@ -23,12 +23,11 @@ from v3dcad.geometry.voronoi.bins import (
     CROWDED,
     ROOM,
     Bins,
-    bin_of,
     gather,
     near_first,
     too_uneven,
 )
-from v3dcad.geometry.voronoi.reach import binned_reaches
+from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.geometry.voronoi.wall import (
     ROUNDING,
     Polygon,
@@ -89,7 +88,7 @@ def find_steepest(
     """
     names, offsets, squares = np.empty(room, np.int64), np.empty((room, 3)), np.empty(room)
     for site in range(len(places)):
-        reach = reaches[bin_of(bins, places[site, 0], places[site, 1], places[site, 2])]
+        reach = reaches[site]
         if reach == 0:
             continue
         count = gather(bins, places, places[site], 2 * reach, names, offsets, squares)
@@ -123,7 +122,7 @@ def steepest_wall(sites: Ints, low: Ints, high: Ints) -> SteepestWall:
     worst = np.array([-1, -1, 0, 1])
     if len(sites) > 1:
         lowest, highest = np.asarray(low, np.float64), np.asarray(high, np.float64)
-        bins, reaches = binned_reaches(places, lowest, highest)
+        bins, reaches = cell_reaches(places, lowest, highest)
         if reaches.max() > WIDEST:
             raise GeometryError("cells reach over 2³⁰ grid steps; use a coarser grid")
         crowded = find_steepest(bins, places, reaches, lowest, highest, polygon_room(), ROOM, worst)

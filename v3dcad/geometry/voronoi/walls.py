@@ -12,12 +12,11 @@ from v3dcad.geometry.voronoi.bins import (
     CROWDED,
     ROOM,
     Bins,
-    bin_of,
     gather,
     sort_by_distance,
     too_uneven,
 )
-from v3dcad.geometry.voronoi.reach import binned_reaches
+from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.geometry.voronoi.wall import Polygon, cut_by_box, in_space, polygon_room, wall
 from v3dcad.model import Floats, Ints
 
@@ -58,7 +57,7 @@ def write_walls(
     corners = np.empty((len(polygon.edges), 3))
     walls, filled = 0, 0
     for site in range(len(places)):
-        reach = reaches[bin_of(bins, places[site, 0], places[site, 1], places[site, 2])]
+        reach = reaches[site]
         if reach == 0:
             continue
         count = gather(bins, places, places[site], 2 * reach, names, offsets, squares)
@@ -94,7 +93,7 @@ def walls_in_box(places: Floats, low: Floats, high: Floats) -> tuple[Ints, Float
     """
     if len(places) < 2:
         return np.empty((0, 2), np.int64), np.empty((0, 3)), np.zeros(1, np.int64)
-    bins, reaches = binned_reaches(places, low, high)
+    bins, reaches = cell_reaches(places, low, high)
     room, ended = EXPECTED * len(places), FULL
     while ended == FULL:
         rows = WallRows(

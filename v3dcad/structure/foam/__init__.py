@@ -8,6 +8,8 @@
     relaxing    sites moved until no wall leans too much
     tile        the shipped sites, which repeat without end
     make_tile   the program that made them: `python -m v3dcad.structure.foam.make_tile`
+    size_grid   a field of sizes on a grid, no steeper than cells can follow
+    graded      sites for cells as large as a field says, certified
     choice      which sites a part is filled with: what the settings say, or those that are given
     uniform     the shipped sites in reach of a part
     explicit    sites that a user gives

@@ -35,8 +35,14 @@ def foam_for(
     columns = settings.stretch == "columns"
     stretch = np.inf if columns else settled_stretch(settings)
     size = settings.cell_size
-    if isinstance(size, str):
+    if size == "auto":
         size = auto_cell_size(high - low)
+    if not isinstance(size, float | int):
+        raise SettingError(
+            "cell_size",
+            "a cell size that differs from place to place needs a part: call fill, not "
+            "fill_sections",
+        )
     refuse_larger(size, (high - low) / np.array([1, 1, stretch]))
     if columns:
         foam = _columns(low, high, size, settings.random_seed)

@@ -19,6 +19,7 @@ from v3dcad.structure.foam.energy import (
     TOUCHED,
     Foam,
     add_gradients,
+    is_listed,
     look_around,
     touch,
 )
@@ -36,6 +37,9 @@ KICK = 0.26
 
 PATIENCE = 100
 """For how many steps a site may stay bad before it is kicked."""
+
+BESIDE = 1.5
+"""In radii: how far beside the box whose walls count a site may have a wall in it."""
 
 INNER = 5
 """Steps between two looks at which walls are bad."""
@@ -80,6 +84,17 @@ def list_touched(foam: Foam) -> None:
 
 
 @compiled(INTERNAL)
+def counts_at(foam: Foam, site: int) -> bool:
+    """Whether a site is so near the box whose walls count that it may have a wall there."""
+    reach = BESIDE * foam.radii[site]
+    for axis in range(3):
+        place = foam.places[site, axis]
+        if place < foam.low[axis] - reach or place > foam.high[axis] + reach:
+            return False
+    return True
+
+
+@compiled(INTERNAL)
 def find_steep(foam: Foam, lean: float, slack: float) -> None:
     """Decide for all checked sites which have a wall that leans too much."""
     neighbours = foam.lists.shape[1]
@@ -87,19 +102,23 @@ def find_steep(foam: Foam, lean: float, slack: float) -> None:
         foam.steep[foam.checked_rows[index]] = False
     for index in range(foam.counts[CHECKED]):
         site = foam.checked_rows[index]
-        radius = foam.radii[site]
+        near = counts_at(foam, site)
         look_around(foam, site)
         for row in range(neighbours):
             other = foam.lists[site, row]
-            if other < site and foam.checked[other]:
-                continue
             if foam.steep[site] and foam.steep[other]:
                 continue
             x, y, z = foam.offsets[row, 0], foam.offsets[row, 1], foam.offsets[row, 2]
             if x * x + y * y >= lean * lean * z * z:
                 continue
+            if other < site and foam.checked[other] and is_listed(foam, site, other):
+                continue
+            if not near and not counts_at(foam, other):
+                continue
+            radius = min(foam.radii[site], foam.radii[other])
+            reach = 4 * max(foam.radii[site], foam.radii[other])
             loose = slack * radius * radius
-            if wall(foam.offsets, neighbours, row, 4 * radius, loose, foam.polygon) > 0:
+            if wall(foam.offsets, neighbours, row, reach, loose, foam.polygon) > 0:
                 foam.steep[site] = True
                 foam.steep[other] = True
     for index in range(foam.counts[CHECKED]):

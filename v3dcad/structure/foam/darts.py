@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from v3dcad.geometry.compiled.arrays import FloatRows, WordArray
-from v3dcad.geometry.compiled.options import ENTRY, compiled
+from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, WordArray
+from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
 from v3dcad.geometry.voronoi.bins import Bins, bin_of, empty_bins, gather, insert
 from v3dcad.model import Floats
 from v3dcad.structure.foam.random import random_share
+from v3dcad.structure.foam.size_grid import SLOPE, SizeGrid, size_at
 
 MISSES = 30_000
 """So many darts in a row that find no room end the throwing."""
+
+DARTS = 80
+"""How many darts are thrown for each site that is expected, where radii differ."""
+
+EXPECTED = 0.7
+"""How many sites come into a cube of the radius."""
 
 DENSEST = 1.5
 """More sites than this in a cube of the radius keep no distance of a radius: √2 are the most."""
@@ -42,10 +49,115 @@ def poisson_disk(box: Floats, radius: float, random_seed: int) -> Floats:
     """Random sites (n, 3) in a periodic box (3,), none nearer than a radius to another.
 
     Darts are thrown until `MISSES` in a row find no room (Cook, "Stochastic sampling in computer
-    graphics", ACM Trans. Graphics 1986); some 0.7 sites come into a cube of the radius.
+    graphics", ACM Trans. Graphics 1986); `EXPECTED` sites come into a cube of the radius.
     """
     capacity = int(DENSEST * np.prod(box / radius)) + 1
     bins = empty_bins(np.zeros(3), box, radius, capacity, periodic=True)
     places = np.empty((capacity, 3))
     count = throw(bins, places, radius, MISSES, np.array([random_seed], np.uint64))
     return places[:count]
+
+
+@compiled(INLINED)
+def beyond(place: float, low: float, high: float) -> float:
+    """How far a place is outside an interval."""
+    return max(low - place, place - high, 0.0)
+
+
+@compiled(ENTRY)
+def add_shares(grid: SizeGrid, inside: FloatRows, pad: float, shares: FloatArray) -> float:
+    """Write how many cubes of the radius are in the grid's cubes, up to each of them (n,), in all.
+
+    Only cubes within `pad` radii of the box `inside` (2, 3) count.
+    """
+    a, b, c = grid.sizes.shape
+    total, cube = 0.0, 0
+    for i in range(a - 1):
+        x = grid.corner[0] + (i + 0.5) * grid.side
+        for j in range(b - 1):
+            y = grid.corner[1] + (j + 0.5) * grid.side
+            for k in range(c - 1):
+                z = grid.corner[2] + (k + 0.5) * grid.side
+                radius = size_at(grid, x, y, z)
+                reach = pad * radius + grid.side
+                if (
+                    beyond(x, inside[0, 0], inside[1, 0]) <= reach
+                    and beyond(y, inside[0, 1], inside[1, 1]) <= reach
+                    and beyond(z, inside[0, 2], inside[1, 2]) <= reach
+                ):
+                    total += (grid.side / radius) ** 3
+                shares[cube] = total
+                cube += 1
+    return total
+
+
+@compiled(ENTRY)
+def throw_graded(
+    bins: Bins,
+    grid: SizeGrid,
+    shares: FloatArray,
+    inside: FloatRows,
+    pad: float,
+    darts: int,
+    places: FloatRows,
+    radii: FloatArray,
+    state: WordArray,
+) -> int:
+    """Throw a number of darts into bins, more where the grid's radii are small; returns how many
+    hit.
+
+    Writes places (n, 3) and radii (n,). A dart misses where an earlier one is nearer than the
+    mean of the two radii, and where it is more than `pad` radii outside the box `inside` (2, 3).
+    """
+    names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
+    at, count = np.empty(3), 0
+    b, c = grid.sizes.shape[1] - 1, grid.sizes.shape[2] - 1
+    for _ in range(darts):
+        share = random_share(state) * shares[-1]
+        low, high = 0, len(shares) - 1
+        while low < high:
+            middle = (low + high) // 2
+            if shares[middle] <= share:
+                low = middle + 1
+            else:
+                high = middle
+        at[0], at[1], at[2] = low // (b * c), low // c % b, low % c
+        far = False
+        for axis in range(3):
+            at[axis] = grid.corner[axis] + (at[axis] + random_share(state)) * grid.side
+        radius = size_at(grid, at[0], at[1], at[2])
+        for axis in range(3):
+            far |= beyond(at[axis], inside[0, axis], inside[1, axis]) > pad * radius
+        if far or count == len(places):
+            continue
+        free = True
+        reach = radius / (1 - SLOPE / 2)  # no farther site's radius is large enough
+        for row in range(gather(bins, places, at, reach, names, offsets, squares)):
+            free &= squares[row] >= ((radius + radii[names[row]]) / 2) ** 2
+        if free:
+            places[count], radii[count] = at, radius
+            insert(bins, count, bin_of(bins, at[0], at[1], at[2]))
+            count += 1
+    return count
+
+
+def graded_disk(
+    grid: SizeGrid, inside: Floats, pad: float, random_seed: int
+) -> tuple[Floats, Floats]:
+    """Random sites (n, 3) in and around a box (2, 3) and their radii (n,), as a grid has them.
+
+    None is nearer to another than the mean of their radii, none more than `pad` of its radii
+    outside the box. As many darts are thrown as `DARTS` says, at random with the density of sites.
+    """
+    low = grid.corner
+    high = low + grid.side * (np.array(grid.sizes.shape) - 1)
+    shares = np.empty(int(np.prod(np.array(grid.sizes.shape) - 1)))
+    cubes = add_shares(grid, inside, pad, shares)
+    capacity = int(DENSEST * cubes) + 64
+    side = float(np.cbrt(np.prod(high - low) / (EXPECTED * cubes)))
+    bins = empty_bins(low, high, side, capacity, periodic=False)
+    places, radii = np.empty((capacity, 3)), np.empty(capacity)
+    darts = int(DARTS * EXPECTED * cubes) + DARTS
+    state = np.array([random_seed], np.uint64)
+    count = throw_graded(bins, grid, shares, inside, pad, darts, places, radii, state)
+    return places[:count], radii[:count]

@@ -45,6 +45,9 @@ class Foam(NamedTuple):
     """(n, 3) float64: the sites, within the periods"""
     radii: FloatArray
     """(n,) float64: the distance that neighbours of each site should keep"""
+    low: FloatArray
+    high: FloatArray
+    """(3,) float64: the box whose walls count"""
     lists: IntRows
     """(n, k) int64: the nearest sites of each"""
     steep: BoolArray
@@ -95,6 +98,15 @@ def look_around(foam: Foam, site: int) -> None:
             if periods[axis] > 0:
                 offset -= periods[axis] * np.floor(offset / periods[axis] + 0.5)
             foam.offsets[row, axis] = offset
+
+
+@compiled(INTERNAL)
+def is_listed(foam: Foam, site: int, other: int) -> bool:
+    """Whether a site is in the list of another: where sizes differ, often only one lists both."""
+    for row in range(foam.lists.shape[1]):  # noqa: SIM110
+        if foam.lists[other, row] == site:
+            return True
+    return False
 
 
 @compiled(INTERNAL)
@@ -186,7 +198,7 @@ def add_gradients(foam: Foam, lean: float, slack: float) -> None:
         look_around(foam, site)
         for row in range(foam.lists.shape[1]):
             other = foam.lists[site, row]
-            if other <= site and foam.active[other]:
+            if other <= site and foam.active[other] and is_listed(foam, site, other):
                 continue
             radius = min(foam.radii[site], foam.radii[other])
             x, y, z = foam.offsets[row, 0], foam.offsets[row, 1], foam.offsets[row, 2]

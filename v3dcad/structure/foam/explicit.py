@@ -9,7 +9,7 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.power_diagram.grid import Grid
-from v3dcad.geometry.voronoi.reach import site_reaches
+from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.model import Floats, Ints
 from v3dcad.structure.foam.sites import FoamSites
 from v3dcad.structure.sweep.sites import ALWAYS
@@ -69,7 +69,7 @@ def _spans(places: Ints, grid: Grid, low: Floats, high: Floats) -> Ints:
         return np.tile([-ALWAYS, ALWAYS], (len(places), 1))
     corner = np.append(grid.origin, 0.0)
     box = [np.asarray((end - corner) / grid.pitch) for end in (low, high)]
-    reach = site_reaches(places.astype(np.float64), *box)
+    _, reach = cell_reaches(places.astype(np.float64), *box)
     spans: Ints = places[:, 2:] + np.ceil(reach).astype(np.int64)[:, None] * np.array([-1, 1])
     spans[reach == 0] = ALWAYS, -ALWAYS
     return spans

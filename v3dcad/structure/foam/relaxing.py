@@ -13,14 +13,15 @@ from itertools import count
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.voronoi.bins import ROOM, bins_of, homes_of
+from v3dcad.geometry.voronoi.bins import ROOM, Bins, bins_of, homes_of
 from v3dcad.geometry.voronoi.wall import polygon_room
 from v3dcad.model import Floats, Ints
 from v3dcad.structure.foam.cluster import check_all, solve_cluster
 from v3dcad.structure.foam.energy import Foam
 
-NEIGHBOURS = 56
-"""How many of the nearest sites are looked at: all within 2.6 radii."""
+NEIGHBOURS, GRADED_NEIGHBOURS = 56, 80
+"""How many of the nearest sites are looked at: all within 2.6 radii; where sizes differ, as far on
+the coarse side."""
 
 TOGETHER = 300
 """Steps that all sites at bad walls take together at first, at each stage."""
@@ -38,15 +39,32 @@ STAGES = (2.0, 1.67, 1.5, 1.41, 1.35, 1.3, 1.25, 1.2, 1.15, 1.1)
 """The values of τ on the way down."""
 
 
-def foam_of(places: Floats, radii: Floats, box: Floats, random_seed: int) -> tuple[Foam, Ints]:
+def periodic_foam(
+    places: Floats, radii: Floats, box: Floats, random_seed: int
+) -> tuple[Foam, Ints]:
     """Sites (n, 3) in a periodic box (3,), ready to be relaxed, and the bins that they are in."""
-    sites = len(places)
-    neighbours = min(NEIGHBOURS, sites - 1)
     bins = bins_of(places, np.zeros(3), box, periodic=True)
+    everywhere = np.array([[-np.inf] * 3, [np.inf] * 3])
+    return _foam_of(bins, places, radii, everywhere, NEIGHBOURS, random_seed)
+
+
+def _foam_of(
+    bins: Bins,
+    places: Floats,
+    radii: Floats,
+    inside: Floats,
+    neighbours: int,
+    random_seed: int,
+) -> tuple[Foam, Ints]:
+    """Sites in bins, ready to be relaxed; walls count in the box `inside` (2, 3)."""
+    sites = len(places)
+    neighbours = min(neighbours, sites - 1)
     foam = Foam(
         bins=bins,
         places=places.copy(),
         radii=radii,
+        low=inside[0].copy(),
+        high=inside[1].copy(),
         lists=np.zeros((sites, neighbours), np.int64),
         steep=np.zeros(sites, np.bool_),
         ages=np.zeros(sites, np.int64),
@@ -70,6 +88,10 @@ def foam_of(places: Floats, radii: Floats, box: Floats, random_seed: int) -> tup
     return foam, homes_of(bins, foam.places)
 
 
+Progress = Callable[[float, int], object]
+"""Gets the τ of a stage, and how many sites are at bad walls."""
+
+
 def relax(
     places: Floats,
     radii: Floats,
@@ -81,20 +103,54 @@ def relax(
     slack: float = 0.0,
     random_seed: int = 0,
     effort: int = 20_000,
-    progress: Callable[[float, int], object] = lambda stage, bad: None,
+    progress: Progress = lambda stage, bad: None,
 ) -> Floats:
     """Sites (n, 3) in a periodic box (3,) moved until no wall leans more than τ allows.
 
     Sites keep a distance of about their radii (n,). Walls lean less than that by a share, the
     margin; and walls count that would be there with bisectors `slack` squared radii looser: so that
-    sites can still be rounded. `progress` gets the stage's τ and how many sites are at bad walls.
-    Deterministic; the result is to be certified
-    (`steepest_wall`). `GeometryError` where sites have been moved `effort` times on average at one
-    stage, and some walls still lean too much; and for a box that is too small to relax in.
+    sites can still be rounded. Deterministic; the result is to be certified (`steepest_wall`).
+    `GeometryError` where sites have been moved `effort` times on average at one stage, and some
+    walls still lean too much; and for a box that is too small to relax in.
     """
     if (box < SMALLEST_BOX * radii.max()).any():
         raise GeometryError(f"the periodic box is less than {SMALLEST_BOX:g} radii wide")
-    foam, homes = foam_of(places, radii, box, random_seed)
+    foam, homes = periodic_foam(places, radii, box, random_seed)
+    return _relaxed(foam, homes, tau, stages, margin, slack, effort, progress)
+
+
+def relax_inside(
+    places: Floats,
+    radii: Floats,
+    inside: Floats,
+    tau: float,
+    *,
+    margin: float = 0.005,
+    slack: float = 0.0,
+    random_seed: int = 0,
+    effort: int = 20_000,
+    progress: Progress = lambda stage, bad: None,
+) -> Floats:
+    """Sites (n, 3) in and around a box (2, 3) moved until no wall in it leans more than τ allows.
+
+    Their radii (n,) may differ; all else as `relax`.
+    """
+    low, high = places.min(axis=0), places.max(axis=0)
+    bins = bins_of(places, low, high, periodic=False)
+    foam, homes = _foam_of(bins, places, radii, inside, GRADED_NEIGHBOURS, random_seed)
+    return _relaxed(foam, homes, tau, STAGES, margin, slack, effort, progress)
+
+
+def _relaxed(
+    foam: Foam,
+    homes: Ints,
+    tau: float,
+    stages: tuple[float, ...],
+    margin: float,
+    slack: float,
+    effort: int,
+    progress: Progress,
+) -> Floats:
     for stage in [*(stage for stage in stages if stage > tau), tau]:
         lean, work = (1 + margin) / stage, 0
         for turn in count():
@@ -103,9 +159,9 @@ def relax(
             progress(stage, len(seeds))
             if not len(seeds):
                 break
-            if work > effort * len(places):
+            if work > effort * len(foam.places):
                 raise GeometryError(
-                    f"walls at {len(seeds)} of {len(places)} sites still lean more than "
+                    f"walls at {len(seeds)} of {len(foam.places)} sites still lean more than "
                     f"τ = {stage:g}; take another random seed or a larger τ",
                     site=int(seeds[0]),
                 )

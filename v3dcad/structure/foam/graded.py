@@ -1,0 +1,194 @@
+"""Sites of a foam whose cells are as large as a field says, for a part in a box.
+
+Darts are thrown with a radius that follows the field, then sites are moved until no wall leans too
+much, and the result is certified in whole numbers. Where that fails, it is done again from other
+random numbers. The sites so made are explicit ones: whoever has them has the structure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
+
+from v3dcad.errors import GeometryError, SettingError
+from v3dcad.geometry.voronoi.reach import cell_reaches
+from v3dcad.model import Floats, Progress, Value, unheard
+from v3dcad.settings import FillSettings
+from v3dcad.structure.foam.darts import EXPECTED, add_shares, graded_disk
+from v3dcad.structure.foam.explicit import explicit_sites
+from v3dcad.structure.foam.random import random_bits
+from v3dcad.structure.foam.relaxing import STAGES, relax_inside
+from v3dcad.structure.foam.size_grid import Field, Sampled, sampled
+from v3dcad.structure.foam.space import steepest_in, tilt
+from v3dcad.structure.foam.uniform import refuse_larger
+
+TAU, LEAST_TAU = 1.67, 1.41
+"""The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
+
+CELLS = 1.055
+"""Cells in a square of the radius of a horizontal section, as `python -m benchmarks.grading` counts
+them."""
+
+PAD = 3.0
+"""In radii: how far around the box sites are made."""
+
+SLACK = 0.001
+"""In squared radii: rounding to the structure's grid moves no bisector as far."""
+
+MOST = 10_000_000
+"""Sites of a graded foam."""
+
+TRIES = 3
+"""How often it is tried to find sites that are certified."""
+
+SAME = 0.02
+"""A made size that differs less from the asked one counts as it."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Graded(Value):
+    """The sites of a graded foam, and how its cells differ from what was asked."""
+
+    sites: Floats
+    """(n, 3) mm, bed coordinates"""
+    stretch: float
+    asked: tuple[float, float]
+    """mm: the smallest and largest size that was asked for in the box"""
+    made: tuple[float, float]
+    """mm: those that were made"""
+    finest: float
+    """the least share of the asked size that was made"""
+    finer: float
+    """the share of the box where cells are smaller than asked, since the field is too steep"""
+
+
+def graded_stretch(settings: FillSettings) -> float:
+    """The stretch of a graded foam.
+
+    Raises `SettingError` for columns, and for one with which no sites would be found.
+    """
+    slope = inf if settings.max_overhang >= 90 else np.tan(np.radians(settings.max_overhang))
+    if settings.stretch == "columns":
+        raise SettingError(
+            "stretch", "--stretch columns: cells of many sizes need a number, or auto"
+        )
+    if isinstance(settings.stretch, str):
+        return max(1.0, round(float(TAU / slope), 12))
+    least = max(1.0, round(float(LEAST_TAU / slope), 12))
+    if settings.stretch < least:
+        raise SettingError(
+            "stretch",
+            f"--stretch {settings.stretch:g}: with cells of many sizes, walls would lean more than "
+            f"{settings.max_overhang:g}°; give at least {least:.4g}, leave it to auto, or allow "
+            "more with --max-overhang",
+        )
+    return float(settings.stretch)
+
+
+def graded_sites(
+    field: Field,
+    low: Floats,
+    high: Floats,
+    settings: FillSettings,
+    progress: Progress = unheard,
+) -> Graded:
+    """The sites for a part in the box low … high (3,), mm, with cells as large as a field says.
+
+    `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
+    are 1 / size² cells a mm² of a horizontal section. Raises `SettingError` for more than `MOST`
+    sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
+    where no sites can be found whose walls all lean at most `settings.max_overhang`.
+    """
+    stretch = graded_stretch(settings)
+    squeezed = np.array([1, 1, 1 / stretch])
+    inside = np.array([low, high]) * squeezed
+    scale = sqrt(CELLS)
+    progress("sampling cell sizes", 0, 1)
+    sizes = sampled(lambda places: scale * field(places / squeezed), inside[0], inside[1], PAD)
+    graded = _compared(sizes, scale, stretch)
+    refuse_larger(graded.made[0], np.ptp(inside, axis=0))
+    if settings.strict and graded.finer > 0:
+        raise SettingError(
+            "strict",
+            f"--strict: the cell size changes too steeply in {100 * graded.finer:.2g} % of the "
+            f"part's box, where cells of {100 * graded.finest:.2g} % of the size would be made; "
+            "let it change by at most 0.3 mm a mm sideways and "
+            f"{0.3 / stretch:.2g} mm a mm upward, or leave --strict out",
+        )
+    _refuse_many(sizes, inside)
+    state = np.array([settings.random_seed], np.uint64)
+    failure = ""
+    for _ in range(TRIES):
+        seed = int(random_bits(state)) >> 1
+        try:
+            places = _relaxed(sizes, inside, stretch, settings.max_overhang, seed, progress)
+        except GeometryError as error:
+            failure = str(error)
+            continue
+        sites = places / squeezed
+        progress("certifying walls", 0, 1)
+        foam = explicit_sites(sites, stretch, low, high)
+        worst = steepest_in(foam, low, high)
+        angle = tilt(worst, stretch)
+        if settings.max_overhang >= 90 or angle <= settings.max_overhang:
+            return replace(graded, sites=sites)
+        x, y, z = sites[worst.sites[0]]
+        failure = f"a wall near ({x:.4g}, {y:.4g}, {z:.4g}) mm leans {angle:.4g}°"
+    raise SettingError(
+        "stretch",
+        f"no sites were found whose walls all lean at most {settings.max_overhang:g}° "
+        f"({failure}); give a larger --stretch than {stretch:.4g}, or another --random-seed",
+    )
+
+
+def _relaxed(
+    sizes: Sampled,
+    inside: Floats,
+    stretch: float,
+    max_overhang: float,
+    random_seed: int,
+    progress: Progress,
+) -> Floats:
+    """Sites (n, 3) in the stretched space that may have a cell in the box."""
+    progress("scattering cells", 0, 1)
+    places, radii = graded_disk(sizes.grid, inside, PAD, random_seed)
+    if max_overhang < 90:
+        tau = stretch * float(np.tan(np.radians(max_overhang)))
+        stages = [stage for stage in STAGES if stage > tau] + [tau]
+        first: dict[float, int] = {}
+
+        def told(stage: float, bad: int) -> None:
+            most = first.setdefault(stage, max(bad, 1))
+            share = 1 - min(bad / most, 1.0)
+            done = int(100 * (stages.index(stage) + share))
+            progress("straightening walls", done, 100 * len(stages))
+
+        places = relax_inside(
+            places, radii, inside, tau, slack=SLACK, random_seed=random_seed, progress=told
+        )
+    _, reach = cell_reaches(places, *inside)
+    return places[reach > 0]
+
+
+def _compared(sizes: Sampled, scale: float, stretch: float) -> Graded:
+    """What is asked and what is made, without sites."""
+    share = sizes.made / sizes.asked
+    asked, made = (
+        (float(some.min()) / scale, float(some.max()) / scale) for some in (sizes.asked, sizes.made)
+    )
+    finer = float(np.mean(share < 1 - SAME))
+    return Graded(np.empty((0, 3)), stretch, asked, made, float(share.min()), finer)
+
+
+def _refuse_many(sizes: Sampled, inside: Floats) -> None:
+    shares = np.empty(int(np.prod(np.array(sizes.grid.sizes.shape) - 1)))
+    count = EXPECTED * add_shares(sizes.grid, inside, PAD, shares)
+    if count > MOST:
+        larger = (count / MOST) ** (1 / 3)
+        raise SettingError(
+            "cell_size",
+            f"about {count:,.0f} cells, more than {MOST:,}; sizes {larger:.3g} times as large "
+            "would fit",
+        )
