@@ -442,6 +442,10 @@ class PrintSettings(Checked):
             raise SettingError("bed", f"--bed {self.bed}: write two lengths in mm, such as 220x220")
         return width, depth
 
+    def wall_width(self) -> float:
+        """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
+        return 2 * self.bead_width if self.route == "joined" else self.bead_width
+
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""
         return self.retraction > 0 or self.retraction_by == "firmware"
