@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from v3dcad.formats.gcode.machine_profile import read_profile
 from v3dcad.formats.gcode.writer import write_gcode
 from v3dcad.model import EXTRUDE, Toolpath
 from v3dcad.settings import PrintSettings
@@ -85,7 +86,7 @@ def table() -> None:
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for cells, count in ((300, 150), (4000, 20)):
         source = list(filled("square", cells, count).layers)
-        for route in ("least-retrace", "trails", "tree"):
+        for route in ("joined", "least-retrace", "trails", "tree"):
             options = PrintSettings(route=route, bed="800x800")
             reports = []
             began = time.process_time()
@@ -148,7 +149,9 @@ def thesis() -> None:
             export_step(part, str(file))
             structure = v3dcad.fill(file, method="thesis", sites=sites, offset=offset)
             for route in ("least-retrace", "trails", "tree"):
-                options = PrintSettings(route=route, contour="centre")
+                options = PrintSettings(
+                    **{**read_profile("thesis"), "route": route, "contour": "centre"}
+                )
                 found = structure.write_gcode(Path(folder) / "part.gcode", options).totals
                 print(
                     f"{name:>14} {route:>14}: {found.time_s / 3600:5.1f} h, "

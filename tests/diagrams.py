@@ -8,9 +8,17 @@ import numpy as np
 import shapely
 from scipy.spatial import Voronoi
 
+from v3dcad.formats.gcode.machine_profile import read_profile
 from v3dcad.geometry.power_diagram.grid import Grid
 from v3dcad.model import CurveRun, Diagram, Floats, Layer, Section
 from v3dcad.structure.thesis.sites import PlaneSites
+
+WIDE = {
+    name: value
+    for name, value in read_profile("thesis").items()
+    if name not in ("start_gcode", "end_gcode")
+}
+"""Print settings of the thesis: one slow bead of 0.8 × 0.2 mm, neither skirt nor prime line."""
 
 
 def scattered(count: int, half: float, seed: int) -> Floats:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import shapely
 from build123d import Box, import_step
+from diagrams import WIDE
 from gcode_reader import read_moves
 from parts import part_file
 
@@ -109,7 +110,9 @@ def test_gcode_stays_in_the_part_and_lays_every_edge(
     name: str, samples: Path, tmp_path: Path
 ) -> None:
     structure = v3dcad.fill(samples / name, layer_height=2.0)
-    settings = PrintSettings(retraction=1.0, contour="centre", minimum_edge=0.0)
+    settings = PrintSettings(
+        **{**WIDE, "retraction": 1.0, "contour": "centre", "minimum_edge": 0.0}
+    )
     structure.write_gcode(tmp_path / "a.gcode", settings)
     text = (tmp_path / "a.gcode").read_text(encoding="utf-8")
     moves = read_moves(text)

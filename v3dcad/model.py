@@ -26,7 +26,8 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT = range(7)
+FEATURES = 8
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER = range(FEATURES)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 Progress = Callable[[str, int, int], object]
@@ -337,8 +338,8 @@ class Toolpath(Value):
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
-    """(p,) CELLS, PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a way already
-    extruded, NO_FEATURE elsewhere"""
+    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a
+    way already extruded, NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 

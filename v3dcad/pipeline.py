@@ -118,10 +118,13 @@ class Structure(Forms):
         return overhang(self.layers, bead_width)
 
     def properties(
-        self, bead_width: float = PrintSettings().bead_width, density: float = 1.24
+        self, wall_width: float = PrintSettings().wall_width(), density: float = 1.24
     ) -> Properties:
-        """Volume, mass, centre and inertia as printed; `density` in g/cm³ (PLA's is 1.24)."""
-        return properties(self.layers, self.settings.layer_height, bead_width, density)
+        """Volume, mass, centre and inertia of walls as wide (mm) as they are printed.
+
+        `density` is in g/cm³ (PLA's is 1.24).
+        """
+        return properties(self.layers, self.settings.layer_height, wall_width, density)
 
     def facets(self, beyond: float = 0.0) -> Facets:
         """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.

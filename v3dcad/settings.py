@@ -258,16 +258,25 @@ M84
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PrintSettings(Checked):
-    """How a structure is printed. The defaults are Table 3.2 of the thesis.
+    """How a structure is printed. The defaults are a stock Ender 3 with an 0.4 mm nozzle and PLA.
 
-    A machine profile (`formats/profile.py`) gives values for these same settings.
+    A machine profile (`formats/gcode/machine_profile.py`) gives values for these same settings;
+    `profiles/ender3v2.toml` says where the defaults come from.
     """
 
+    machine: str = setting(
+        "Creality Ender 3 family, 0.4 mm nozzle, PLA",
+        "What the G-code is for, as its header says.",
+    )
     bead_width: float = setting(
-        0.8, "Width of one extruded bead; the nozzle's diameter.", unit="mm", above=0, most=20
+        0.45,
+        "Width of one extruded bead; a little more than the nozzle's diameter.",
+        unit="mm",
+        above=0,
+        most=20,
     )
     bead_shape: str = setting(
-        "rectangle",
+        "rounded",
         "Cross-section of a bead: the thesis's rectangle, or rounded as slicers have it.",
         choices=("rectangle", "rounded"),
     )
@@ -278,7 +287,7 @@ class PrintSettings(Checked):
         0.2, "Height of the first layer's beads.", unit="mm", above=0, most=10
     )
     first_layer_speed: float = setting(
-        10.0, "Speed while extruding the first layer.", unit="mm/s", above=0, most=2000
+        20.0, "Speed while extruding the first layer.", unit="mm/s", above=0, most=2000
     )
     first_layer_flow: float = setting(
         100.0, "The same on the first layer, instead of `flow`.", unit="%", above=0, most=1000
@@ -287,7 +296,7 @@ class PrintSettings(Checked):
         False, "Extrude less where beads overlap at a junction, by the area they share."
     )
     minimum_edge: float = setting(
-        0.05, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
+        0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
     )
 
     contour: str = setting(
@@ -296,7 +305,7 @@ class PrintSettings(Checked):
         "thesis does.",
         choices=("inset", "centre"),
     )
-    perimeters: int = setting(1, "Number of perimeters along each contour.", least=1, most=1000)
+    perimeters: int = setting(2, "Number of perimeters along each contour.", least=1, most=1000)
     perimeter_order: str = setting(
         "together",
         "Print the innermost perimeter in one stroke with the cells, or all perimeters before "
@@ -304,26 +313,60 @@ class PrintSettings(Checked):
         choices=("together", "before", "after"),
     )
     route: str = setting(
-        "least-retrace",
-        "Order of the edges: one closed stroke with the least retrace, trails that pass nothing "
-        "twice, or cell after cell along the spanning tree.",
-        choices=("least-retrace", "trails", "tree"),
+        "joined",
+        "How walls are printed: of two beads in one closed stroke; or of one bead, in a stroke "
+        "with the least retrace, in trails that pass nothing twice, or cell after cell along the "
+        "spanning tree.",
+        choices=("joined", "least-retrace", "trails", "tree"),
     )
     bottom_layers: int = setting(0, "Solid layers at the bottom.", least=0)
     top_layers: int = setting(0, "Solid layers at the top.", least=0, most=1000)
-    skirt_loops: int = setting(0, "Loops around the first layer.", least=0, most=1000)
+    skirt_loops: int = setting(1, "Loops around the first layer.", least=0, most=1000)
     skirt_distance: float = setting(
-        5.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
+        3.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
     )
     brim_width: float = setting(
         0.0, "Width of the brim around the first layer.", unit="mm", least=0, most=1000
     )
 
-    print_speed: float = setting(10.0, "Speed while extruding.", unit="mm/s", above=0, most=2000)
-    travel_speed: float = setting(
-        50.0, "Speed while not extruding.", unit="mm/s", above=0, most=2000
+    prime_line: float = setting(
+        100.0,
+        "Length of the line along the bed's left edge that fills the nozzle; 0 for none.",
+        unit="mm",
+        least=0,
+        most=1000,
     )
-    z_speed: float = setting(5.0, "Speed of moves in z alone.", unit="mm/s", above=0, most=2000)
+
+    print_speed: float = setting(
+        50.0, "Speed while extruding cells.", unit="mm/s", above=0, most=2000
+    )
+    perimeter_speed: float = setting(
+        25.0, "Speed while extruding perimeters.", unit="mm/s", above=0, most=2000
+    )
+    solid_speed: float = setting(
+        40.0, "Speed while extruding solid layers.", unit="mm/s", above=0, most=2000
+    )
+    travel_speed: float = setting(
+        150.0, "Speed while not extruding.", unit="mm/s", above=0, most=2000
+    )
+    minimum_layer_time: float = setting(
+        8.0,
+        "Layers that would take less are printed slower, so that they can cool.",
+        unit="s",
+        least=0,
+        most=3600,
+    )
+    slowest_speed: float = setting(
+        10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", above=0, most=2000
+    )
+    most_flow: float = setting(
+        15.0,
+        "Most filament that the nozzle melts; it limits speeds.",
+        unit="mm³/s",
+        above=0,
+        most=1000,
+    )
+    z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", above=0, most=2000)
     acceleration: float = setting(
         500.0, "Acceleration of every move.", unit="mm/s²", above=0, most=1_000_000
     )
@@ -338,7 +381,7 @@ class PrintSettings(Checked):
         1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", above=0, most=25
     )
     retraction: float = setting(
-        0.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
+        5.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
     )
     retraction_speed: float = setting(
         40.0, "Speed of the filament when it is pulled back.", unit="mm/s", above=0, most=2000
@@ -356,11 +399,14 @@ class PrintSettings(Checked):
     )
 
     nozzle_temperature: float = setting(
-        200.0, "Temperature of the nozzle.", unit="°C", least=0, most=500
+        205.0, "Temperature of the nozzle.", unit="°C", least=0, most=500
     )
     bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
     fan: float = setting(100.0, "Power of the part's fan.", unit="%", least=0, most=100)
     fan_from_layer: int = setting(1, "First layer that the fan blows at.", least=0)
+    fan_full_layer: int = setting(
+        3, "Layer from which the fan has its full power; before, it speeds up evenly.", least=0
+    )
 
     flavour: str = setting(
         "marlin",
@@ -395,6 +441,10 @@ class PrintSettings(Checked):
         if not (0 < width < math.inf and 0 < depth < math.inf):
             raise SettingError("bed", f"--bed {self.bed}: write two lengths in mm, such as 220x220")
         return width, depth
+
+    def wall_width(self) -> float:
+        """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
+        return 2 * self.bead_width if self.route == "joined" else self.bead_width
 
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""

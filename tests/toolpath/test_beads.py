@@ -2,11 +2,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
-from diagrams import area_of, disc, layer, scattered, square, stack
+from diagrams import WIDE, area_of, disc, layer, scattered, square, stack
 
 from v3dcad.errors import GeometryError
 from v3dcad.model import (
@@ -46,12 +47,10 @@ def drawn(toolpath: Toolpath, *features: int) -> shapely.Geometry:
     return shapely.multilinestrings(shapely.linestrings(steps(toolpath, *features)))
 
 
-def traced(
-    made: Layer | list[Layer], **settings: object
-) -> tuple[list[Toolpath], list[LayerReport]]:
+def traced(made: Layer | list[Layer], **settings: Any) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
     layers = made if isinstance(made, list) else [made]
-    paths = list(trace(layers, PrintSettings(**settings), reports.append))  # type: ignore[arg-type]
+    paths = list(trace(layers, PrintSettings(**{**WIDE, **settings}), reports.append))
     return paths, reports
 
 
@@ -124,7 +123,7 @@ def test_arcs_are_paid_by_their_length() -> None:
 
 
 def test_the_first_layer_has_its_own_speed() -> None:
-    paths, _ = traced(stack(2), first_layer_speed=7.0, print_speed=30.0)
+    paths, _ = traced(stack(2), first_layer_speed=7.0, print_speed=30.0, perimeter_speed=30.0)
     for path, speed in zip(paths, (7.0, 30.0), strict=True):
         assert (path.speed[path.kind == EXTRUDE] == speed).all()
 
@@ -313,6 +312,25 @@ def test_cells_filled_by_the_bead_are_reported() -> None:
     assert findings(reports)[0].startswith(
         "the bead is wider than twice the gap of cell 1 (layers 0 to 0), cell 2 (layers 0 to 0):"
     )
+
+
+def test_each_feature_has_its_speed() -> None:
+    speeds = {"print_speed": 30.0, "perimeter_speed": 20.0, "solid_speed": 25.0}
+    paths, _ = traced(stack(3), top_layers=1, **speeds)
+    wanted = {CELLS: 30.0, PERIMETER: 20.0, SOLID: 25.0}
+    for path in paths[1:]:
+        printed = path.kind == EXTRUDE
+        for feature in np.unique(path.feature[printed]).tolist():
+            assert (path.speed[printed & (path.feature == feature)] == wanted[feature]).all()
+    assert {SOLID, PERIMETER} == set(paths[2].feature[paths[2].kind == EXTRUDE].tolist())
+
+
+def test_no_bead_is_laid_faster_than_its_filament_melts() -> None:
+    paths, _ = traced(stack(2), print_speed=100.0, perimeter_speed=20.0, most_flow=15.0)
+    extruding = paths[1].kind == EXTRUDE
+    speed, feature = paths[1].speed[extruding], paths[1].feature[extruding]
+    assert speed[feature == CELLS] == pytest.approx(15 / 0.16)
+    assert (speed[feature == PERIMETER] == 20.0).all()
 
 
 def test_layers_must_ascend() -> None:

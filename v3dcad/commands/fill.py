@@ -45,7 +45,9 @@ def fill(
     ] = None,
     profile: Annotated[
         str | None,
-        typer.Option(metavar="NAME|TOML", help="Machine profile: ender3v2 or a file of yours."),
+        typer.Option(
+            metavar="NAME|TOML", help="Machine profile, as prusa-mk4, or a file of yours."
+        ),
     ] = None,
     ont: OutputFile = None,
     gcode: OutputFile = None,

@@ -12,9 +12,12 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     EXTRUDE,
+    FEATURES,
     NO_FEATURE,
+    PERIMETER,
     RETRACED,
     RETRACT,
+    SOLID,
     TRAVEL,
     UNRETRACT,
     Bytes,
@@ -23,8 +26,11 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.plan import Plan, Stroke
+from v3dcad.toolpath.cooling import cooled
+from v3dcad.toolpath.joining import Bridged
+from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
+from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.travel import Traveller
 
 APPROACH = 5.0
@@ -43,18 +49,22 @@ def trace(
     layer as soon as it is traced. Layers are held only as long as it takes to know whether
     they are among the top ones. Raises `GeometryError` where layers do not ascend.
     """
-    nozzle = Nozzle(settings)
+    nozzle, bridged = Nozzle(settings), Bridged()
     for layer, solid in _solid_marked(layers, settings):
         area = section_area(layer.section)
-        plan = Plan(layer, area, settings, solid, first=nozzle.level == 0)
+        first = nozzle.level == 0
         nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
+        plan = Plan(layer, area, settings, solid, first, nozzle.spacing, bridged)
         before, strokes = nozzle.position, 0
         for stroke in plan.strokes(before[:2]):
             nozzle.print(stroke)
             strokes += 1
         toolpath = nozzle.taken(layer.index)
+        rest = before if nozzle.started else toolpath.points[:1]
+        nozzle.started |= len(toolpath.points) > 0
+        toolpath, seconds = cooled(toolpath, rest, settings)
         if report is not None:
-            report(layer_report(toolpath, before, strokes, plan))
+            report(layer_report(toolpath, before, strokes, plan, seconds))
         yield toolpath
 
 
@@ -89,9 +99,10 @@ class Nozzle:
         self.position = np.zeros(3)
         self.level = 0.0
         self._area = 0.0
-        self._speed = 0.0
+        self.spacing = 0.0
+        self._speed = np.zeros(0)
         self._traveller: Traveller
-        self._started = False
+        self.started = False
         self._steps: list[Steps] = []
 
     def rise(self, layer: Layer, traveller: Traveller) -> None:
@@ -106,8 +117,12 @@ class Nozzle:
             )
         flow = settings.flow if below else settings.first_layer_flow
         area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
+        # Beads so far apart fill the layer between them.
+        self.spacing = area / (self.level - below)
         self._area = area * flow / 100
-        self._speed = settings.print_speed if below else settings.first_layer_speed
+        self._speed = np.minimum(
+            _speeds(settings, first=not below), settings.most_flow / self._area
+        )
         self._traveller = traveller
 
     def print(self, stroke: Stroke) -> None:
@@ -120,7 +135,7 @@ class Nozzle:
                 np.column_stack([ends, np.full(len(ends), self.level)]),
                 np.where(extruding, EXTRUDE, TRAVEL).astype(np.int8),
                 stroke.laid * self._area,
-                np.where(extruding, self._speed, self.settings.travel_speed),
+                np.where(extruding, self._speed[stroke.feature], self.settings.travel_speed),
                 stroke.feature,
                 stroke.centre,
             )
@@ -137,8 +152,7 @@ class Nozzle:
     def _travel(self, stop: Floats) -> None:
         settings, level = self.settings, self.level
         x, y = stop
-        if not self._started:
-            self._started = True
+        if not self.started and not self._steps:
             self._go([(x, y, level + APPROACH)], TRAVEL, settings.travel_speed)
             self._go([(x, y, level)], TRAVEL, settings.z_speed)
             return
@@ -161,6 +175,15 @@ class Nozzle:
     def _go(self, points: Sequence[tuple[float, ...]], kind: int, speed: float) -> None:
         self._steps.append(_moves(points, kind, speed))
         self.position = self._steps[-1].points[-1]
+
+
+def _speeds(settings: PrintSettings, *, first: bool) -> Floats:
+    """mm/s at which each feature is extruded."""
+    if first:
+        return np.full(FEATURES, settings.first_layer_speed)
+    speeds = np.full(FEATURES, settings.print_speed)
+    speeds[PERIMETER], speeds[SOLID] = settings.perimeter_speed, settings.solid_speed
+    return speeds
 
 
 def _moves(points: Sequence[tuple[float, ...]], kind: int, speed: float) -> Steps:

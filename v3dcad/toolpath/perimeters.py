@@ -28,6 +28,18 @@ def loops(area: shapely.Geometry) -> list[Floats]:
     return [shapely.get_coordinates(ring)[:-1] for ring in rings]
 
 
+def rings(area: shapely.Geometry) -> list[Floats]:
+    """The same lines, the area on the left of each."""
+    found = []
+    for part in shapely.get_parts(area):
+        if part.is_empty:
+            continue
+        for number, ring in enumerate((part.exterior, *part.interiors)):
+            points = shapely.get_coordinates(ring)[:-1]
+            found.append(points if ring.is_ccw == (number == 0) else points[::-1])
+    return found
+
+
 def with_arcs(graph: PathGraph, section: Section, distance: float) -> PathGraph:
     """The graph with its perimeter, `distance` (mm) inside the section, told its circular arcs.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -16,7 +15,6 @@ from v3dcad.model import (
     RETRACED,
     SKIRT,
     SOLID,
-    Bytes,
     Floats,
     Layer,
 )
@@ -28,26 +26,16 @@ from v3dcad.toolpath.graph import (
     shared_length,
     with_short_edges_joined,
 )
+from v3dcad.toolpath.joined_route import joined_strokes
+from v3dcad.toolpath.joining import Bridged
 from v3dcad.toolpath.perimeters import inset, loops, with_arcs
 from v3dcad.toolpath.route import Walk, minimum_join, walks
 from v3dcad.toolpath.solid import hatch
+from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.trim import trimmed
 
 NO_TREE = np.empty((0, 2), np.int64)
 """For routes that need none."""
-
-
-class Stroke(NamedTuple):
-    """One stroke of the nozzle: `points` (k + 1, 2), mm, and for each of the k steps
-
-    its feature (RETRACED where nothing is extruded), how many mm of full bead are laid, and
-    the centre (k, 2) where it is an arc (else NaN).
-    """
-
-    points: Floats
-    feature: Bytes
-    laid: Floats
-    centre: Floats
 
 
 @dataclass(slots=True)
@@ -59,6 +47,9 @@ class Plan:
     settings: PrintSettings
     solid: bool
     first: bool
+    spacing: float
+    """mm between two beads side by side"""
+    bridged: Bridged
     joined: int = 0
     least_retraced: float = 0.0
     narrow_area: float = 0.0
@@ -69,16 +60,18 @@ class Plan:
         self.here = here
         if not self.layer.section.rings:
             return
-        width = self.settings.bead_width
         if self.first:
             yield from self._around()
-        depths = perimeter_depths(self.settings)
+        depths = perimeter_depths(self.settings, self.spacing)
         innermost = inset(self.area, depths[-1])
         self.narrow_area = narrow_area(self.area, depths[0])
         outer = [
             self._arced(loops_graph(loops(inset(self.area, depth)), PERIMETER), depth)
             for depth in depths[:-1]
         ]
+        if self.settings.route == "joined" and not self.solid:
+            yield from self._in_closed_strokes(depths)
+            return
         graph, self.joined = with_short_edges_joined(
             self._arced(self._cells_within(innermost, depths[-1]), depths[-1]),
             self.settings.minimum_edge,
@@ -93,8 +86,22 @@ class Plan:
             yield from self._routed(part)
         if self.solid:
             angle = 45.0 if self.layer.index % 2 else -45.0
-            for line in hatch(inset(innermost, width / 2), width, angle):
+            for line in hatch(inset(innermost, self.spacing / 2), self.spacing, angle):
                 yield self._moved_to(_line(line))
+
+    def _in_closed_strokes(self, depths: list[float]) -> Iterator[Stroke]:
+        outermost = loops_graph(loops(inset(self.area, depths[0])), PERIMETER)
+        for stroke in joined_strokes(
+            self.layer,
+            self.area,
+            depths,
+            self.spacing,
+            self.settings.minimum_edge,
+            self._arced(outermost, depths[0]),
+            self.bridged,
+            self.here,
+        ):
+            yield self._moved_to(stroke)
 
     def _around(self) -> Iterator[Stroke]:
         """Skirt and brim, from the outside in."""
@@ -137,10 +144,10 @@ class Plan:
         return stroke
 
 
-def perimeter_depths(settings: PrintSettings) -> list[float]:
+def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
-    outermost = 0.5 if settings.contour == "inset" else 0.0
-    return [(outermost + number) * settings.bead_width for number in range(settings.perimeters)]
+    outermost = settings.bead_width / 2 if settings.contour == "inset" else 0.0
+    return [outermost + number * spacing for number in range(settings.perimeters)]
 
 
 def narrow_area(area: shapely.Geometry, depth: float) -> float:

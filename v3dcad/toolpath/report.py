@@ -9,6 +9,7 @@ import numpy as np
 
 from v3dcad.geometry import arcs
 from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
+from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.plan import Plan
 
 MOST_NAMED = 5
@@ -35,10 +36,16 @@ class LayerReport:
     """sites whose cells a bead fills: it is wider than twice their gap"""
     narrow_area: float
     """mm² of the section too narrow for a perimeter"""
+    seconds: float
+    """how long it takes"""
+    hurried: bool
+    """whether it takes less than `minimum_layer_time`, even at the slowest speed"""
 
 
-def layer_report(toolpath: Toolpath, before: Floats, strokes: int, plan: Plan) -> LayerReport:
-    """What a layer's toolpath, which began at `before` (3,), comes to."""
+def layer_report(
+    toolpath: Toolpath, before: Floats, strokes: int, plan: Plan, seconds: float
+) -> LayerReport:
+    """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to."""
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
@@ -52,17 +59,22 @@ def layer_report(toolpath: Toolpath, before: Floats, strokes: int, plan: Plan) -
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
         least_retraced=plan.least_retraced,
         joined_edges=plan.joined,
-        narrow_cells=tuple(narrow_cells(plan.layer, plan.settings.bead_width).tolist()),
+        narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
         narrow_area=plan.narrow_area,
+        seconds=seconds,
+        hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
     )
 
 
-def narrow_cells(layer: Layer, width: float) -> Ints:
-    """Site ids of the cells whose gap is less than half a bead of this width (mm).
+def narrow_cells(layer: Layer, settings: PrintSettings) -> Ints:
+    """Site ids of the cells whose gap is less than half a bead, where both print one wall.
 
-    A cell's gap is taken as 4 · area ÷ perimeter, which for a regular polygon is the diameter
-    of the circle inside it.
+    In joined strokes there are none: cells too small for a loop are left out. A cell's gap is taken
+    as 4 · area ÷ perimeter, which for a regular polygon is the diameter of the circle inside it.
     """
+    if settings.route == "joined":
+        return np.empty(0, np.int64)
+    width = settings.bead_width
     count = len(layer.state.sites)
     areas = layer.diagram.areas(count)
     lengths, inner = layer.diagram.lengths(), layer.diagram.inner()
@@ -75,12 +87,15 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
     """What the user should know of a print, a sentence each; nothing where all is well."""
     narrow: dict[int, list[int]] = {}
     unreached, unreached_on, joined = 0.0, 0, 0
+    hurried: list[LayerReport] = []
     for report in reports:
         for site in report.narrow_cells:
             narrow.setdefault(site, []).append(report.layer)
         unreached += report.narrow_area
         unreached_on += report.narrow_area > 0
         joined += report.joined_edges
+        if report.hurried:
+            hurried.append(report)
     found = []
     if narrow:
         named = ", ".join(
@@ -96,6 +111,13 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
         found.append(
             f"{unreached:.2f} mm² of {unreached_on} layers are too narrow for a bead and stay "
             "empty; use a narrower bead, or --contour centre"
+        )
+    if hurried:
+        shortest = min(hurried, key=lambda report: report.seconds)
+        found.append(
+            f"{len(hurried)} layers take less than --minimum-layer-time at the slowest speed; the "
+            f"shortest, layer {shortest.layer}, {shortest.seconds:.1f} s: print several parts at "
+            "once, or lower --slowest-speed"
         )
     if joined:
         found.append(f"{joined} edges shorter than --minimum-edge were joined to their neighbours")

@@ -1,4 +1,4 @@
-"""The order in which a graph's edges are extruded: as few interruptions as possible.
+"""Walls of one bead: the order in which a graph's edges are extruded, with few interruptions.
 
 A stroke that passes every edge once needs even vertices. Where three edges meet, some have to
 be passed twice: the least length that makes all vertices even is a minimum T-join of the odd

@@ -77,7 +77,7 @@ class Work:
         structure = self._whole()
         told = self._watched(structure, "checking what holds up each layer").report(printing)
         weighed = self._watched(structure, "weighing").properties(
-            printing.bead_width, printing.filament_density
+            printing.wall_width(), printing.filament_density
         )
         foam = told.get("foam")
         return {

@@ -1,18 +1,49 @@
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import pytest
+from diagrams import stack
+from simulated_printer import Printer
 
 from v3dcad.errors import FormatError
 from v3dcad.formats.gcode.machine_profile import profile_names, profile_text, read_profile
+from v3dcad.formats.gcode.writer import write_gcode
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.beads import trace
 
 
 def test_profiles_that_come_along() -> None:
-    assert profile_names() == ["ender3v2", "generic-klipper", "generic-marlin"]
-    for name in profile_names():
-        PrintSettings(**read_profile(name))
+    assert profile_names() == [
+        "ender3v2",
+        "generic-klipper",
+        "generic-marlin",
+        "prusa-mk3s",
+        "prusa-mk4",
+        "thesis",
+        "voron",
+    ]
+    machines = {PrintSettings(**read_profile(name)).machine for name in profile_names()}
+    assert len(machines) == len(profile_names())
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_profiles_write_files_that_a_printer_can_obey(name: str) -> None:
+    settings = PrintSettings(**read_profile(name))
+    stream = io.StringIO()
+    write_gcode(stream, trace(stack(3), settings), settings)
+    text = stream.getvalue()
+    assert f"; printer = {settings.machine}\n" in text
+    printed = Printer().run(text).printing()
+    assert {m.layer for m in printed} == {0, 1, 2}
+    for axis, size in enumerate(settings.bed_size()):
+        assert all(0 < m.stop[axis] < size for m in printed)
+    assert settings.bead_width == (0.8 if name == "thesis" else 0.45)
+
+
+def test_the_default_is_a_stock_machine() -> None:
+    assert PrintSettings(**read_profile("ender3v2")) == PrintSettings()
 
 
 def test_the_thesis_printer_has_its_table() -> None:
@@ -26,8 +57,8 @@ def test_the_thesis_printer_has_its_table() -> None:
         "filament_diameter": 1.75,
         "flow": 100,
     }
-    for found in (PrintSettings(**read_profile("ender3v2")), PrintSettings()):
-        assert {name: getattr(found, name) for name in table} == table
+    found = PrintSettings(**read_profile("thesis"))
+    assert {name: getattr(found, name) for name in table} == table
 
 
 def test_the_users_own_file(tmp_path: Path) -> None:
@@ -49,7 +80,7 @@ def test_the_users_own_file(tmp_path: Path) -> None:
         (b"bead_width = \nflow = 1", r"not valid TOML: .*line 1"),
         (b"bead_with = 1", "bead_with is not a setting; did you mean bead_width?"),
         (b"zzz = 1", "zzz is not a setting; see"),
-        (b"[machine]\nbed = 1", "machine is not a setting"),
+        (b"[printing]\nbed = 1", "printing is not a setting"),
         (b'bead_width = "wide"', "bead_width = 'wide': give a number"),
         (b"arcs = 1", "arcs = 1: give true or false"),
         (b"perimeters = 1.5", "perimeters = 1.5: give a whole number"),

@@ -6,11 +6,12 @@ import itertools
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
-from diagrams import area_of, disc, layer, scattered, square, stack
+from diagrams import WIDE, area_of, disc, layer, scattered, square, stack
 from hypothesis import given
 from hypothesis import strategies as st
 from simulated_printer import Printer
@@ -30,8 +31,12 @@ pytestmark = pytest.mark.slow
 FILAMENT = np.pi / 4 * 1.75**2
 
 
-def written(layers: list[Layer], **settings: object) -> tuple[str, Totals]:
-    options = PrintSettings(**settings)  # type: ignore[arg-type]
+def wide(**settings: Any) -> PrintSettings:
+    return PrintSettings(**{**WIDE, **settings})
+
+
+def written(layers: list[Layer], **settings: Any) -> tuple[str, Totals]:
+    options = wide(**settings)
     stream = io.StringIO()
     totals = write_gcode(stream, trace(layers, options), options)
     return stream.getvalue(), totals
@@ -156,11 +161,10 @@ def test_firmware_retraction(flavour: str) -> None:
 def test_header_says_what_the_print_takes() -> None:
     layers = stack(3)
     text, totals = written(layers)
-    paths = list(trace(layers, PrintSettings()))
+    paths = list(trace(layers, wide()))
     starts = [paths[0].points[0], *(path.points[-1] for path in paths[:-1])]
     seconds = [
-        step_seconds(path, start, PrintSettings()).sum()
-        for path, start in zip(paths, starts, strict=True)
+        step_seconds(path, start, wide()).sum() for path, start in zip(paths, starts, strict=True)
     ]
     volume = sum(path.volume.sum() for path in paths)
     assert totals.time_s == pytest.approx(sum(seconds))
@@ -193,11 +197,38 @@ def test_fan_starts_at_its_layer() -> None:
     assert "M106" not in written(stack(4), fan=0.0)[0]
 
 
+def test_the_fan_speeds_up_evenly() -> None:
+    text, _ = written(stack(6), fan=100.0, fan_from_layer=1, fan_full_layer=3)
+    found = re.findall(r"^;LAYER:(\d)\nG92 E0\nM106 S(\d+)$", text, re.M)
+    assert found == [("1", "85"), ("2", "170"), ("3", "255")]
+
+
+@pytest.mark.parametrize("extrusion", ["absolute", "relative"])
+@pytest.mark.parametrize("bed_origin", ["corner", "centre"])
+def test_the_prime_line_lies_on_the_bed_and_lays_what_it_has_room_for(
+    extrusion: str, bed_origin: str
+) -> None:
+    text, _ = written(stack(1), prime_line=100.0, extrusion=extrusion, bed_origin=bed_origin)
+    lines = [m for m in Printer().run(text).moves if m.layer < 0 and m.prints]
+    low = -110 if bed_origin == "centre" else 0
+    for move, share in zip(lines, (1.0, 0.5), strict=True):
+        assert move.length == pytest.approx(100)
+        assert move.extruded * FILAMENT == pytest.approx(100 * 0.2 * 0.6 * share, rel=1e-4)
+        assert low < move.stop[0] < low + 5
+        assert low < move.stop[1] < low + 220
+        assert move.stop[2] == 0.2
+    assert not [m for m in Printer().run(written(stack(1))[0]).moves if m.layer < 0 and m.prints]
+
+
+def test_the_header_names_the_machine() -> None:
+    assert "; printer = mine, 0.4 mm\n" in written(stack(1), machine="mine, \n 0.4 mm")[0]
+
+
 def test_thumbnail_is_the_png() -> None:
     png = b"\x89PNG\r\n\x1a\n" + b"\0\0\0\rIHDR" + (32).to_bytes(4, "big") + (24).to_bytes(4, "big")
     png += bytes(range(256))
     stream = io.StringIO()
-    write_gcode(stream, trace(stack(1), PrintSettings()), PrintSettings(), thumbnail=png)
+    write_gcode(stream, trace(stack(1), wide()), wide(), thumbnail=png)
     text = stream.getvalue()
     found = re.search(r"^; thumbnail begin 32x24 (\d+)\n(.*?)^; thumbnail end$", text, re.M | re.S)
     assert found is not None
@@ -205,7 +236,7 @@ def test_thumbnail_is_the_png() -> None:
     assert len(body) == int(found[1])
     assert base64.b64decode(body) == png
     with pytest.raises(SettingError, match="not a PNG"):
-        write_gcode(io.StringIO(), [], PrintSettings(), thumbnail=b"GIF89a")
+        write_gcode(io.StringIO(), [], wide(), thumbnail=b"GIF89a")
 
 
 def test_placeholders_are_filled_in() -> None:
@@ -216,7 +247,7 @@ def test_placeholders_are_filled_in() -> None:
 
 def test_unknown_placeholder_before_a_byte_is_written() -> None:
     stream = io.StringIO()
-    options = PrintSettings(end_gcode="M104 S{temperature}")
+    options = wide(end_gcode="M104 S{temperature}")
     with pytest.raises(SettingError, match=r"--end-gcode: \{temperature\} is not a known"):
         write_gcode(stream, trace(stack(1), options), options)
     assert stream.getvalue() == ""
@@ -228,7 +259,7 @@ def test_same_bytes_every_time() -> None:
 
 def test_bed_too_small_before_a_byte_is_written() -> None:
     stream = io.StringIO()
-    options = PrintSettings(bed="220x18")
+    options = wide(bed="220x18")
     with pytest.raises(SettingError, match=r"--bed 220x18: layer 0 goes to y = .* beyond its edge"):
         write_gcode(stream, trace(stack(2), options), options)
     assert stream.getvalue() == ""
@@ -236,7 +267,7 @@ def test_bed_too_small_before_a_byte_is_written() -> None:
 
 def test_too_high_before_a_byte_is_written() -> None:
     stream = io.StringIO()
-    options = PrintSettings(build_height=0.3)
+    options = wide(build_height=0.3)
     with pytest.raises(SettingError, match=r"--build-height 0\.3: layer 1"):
         write_gcode(stream, trace(stack(2), options), options)
     assert stream.getvalue() == ""
@@ -260,20 +291,20 @@ def test_extrusion_that_would_overflow() -> None:
     )
     stream = io.StringIO()
     with pytest.raises(SettingError, match="m of filament, more than the printer can count"):
-        write_gcode(stream, [toolpath], PrintSettings())
+        write_gcode(stream, [toolpath], wide())
     assert stream.getvalue() == ""
 
 
 def test_a_part_larger_than_the_bed() -> None:
     bounds = np.array([[-115.0, -10, 0], [115, 10, 30]])
     with pytest.raises(SettingError, match=r"10.00 mm too large in x"):
-        check_fits(bounds, PrintSettings())
+        check_fits(bounds, wide())
     with pytest.raises(SettingError, match=r"30\.00 mm high"):
-        check_fits(bounds / [2, 1, 1], PrintSettings(build_height=20))
+        check_fits(bounds / [2, 1, 1], wide(build_height=20))
 
 
 def test_a_contour_printed_on_its_centre_needs_half_a_bead_on_either_side() -> None:
-    settings = PrintSettings(contour="centre", bead_width=0.8)
+    settings = wide(contour="centre", bead_width=0.8)
     bed = np.array(settings.bed_size())
     fits = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])
     fits[:, :2] *= (bed - 0.8 - 1e-9) / 2
@@ -296,7 +327,7 @@ def test_no_feed_is_zero() -> None:
         np.full((2, 2), np.nan),
     )
     stream = io.StringIO()
-    write_gcode(stream, [toolpath], PrintSettings())
+    write_gcode(stream, [toolpath], wide())
     feeds = re.findall(r"^G[01].* F(\d+)$", stream.getvalue(), re.MULTILINE)
     assert feeds[-1] == "1"
 
@@ -311,7 +342,7 @@ def test_speeds_of_zero_are_refused(name: str) -> None:
 
 
 def test_choices_are_checked() -> None:
-    with pytest.raises(SettingError, match="--route spiral: give least-retrace or trails or tree"):
+    with pytest.raises(SettingError, match="--route spiral: give joined or least-retrace or"):
         PrintSettings(route="spiral")
 
 
@@ -328,7 +359,7 @@ def test_steps_too_short_to_be_told_keep_their_filament() -> None:
         np.full((count, 2), np.nan),
     )
     stream = io.StringIO()
-    write_gcode(stream, [toolpath], PrintSettings())
+    write_gcode(stream, [toolpath], wide())
     printer = Printer().run(stream.getvalue())
     assert len(printer.printing()) <= 101
     assert sum(m.extruded for m in printer.moves) == pytest.approx(1 / FILAMENT, abs=1e-2)
@@ -354,7 +385,7 @@ def test_layers_are_written_as_they_come(monkeypatch: pytest.MonkeyPatch) -> Non
             most = max(most, alive)
             yield copy
 
-    options = PrintSettings()
+    options = wide()
     write_gcode(io.StringIO(), watched(trace(stack(8), options)), options)
     assert most <= 3
 
@@ -413,8 +444,13 @@ def test_the_reader_agrees_with_the_writer(route: str, arcs: bool, tmp_path: Pat
 @pytest.mark.parametrize("route", ["least-retrace", "trails"])
 def test_time_is_that_of_pygcodedecode(route: str, tmp_path: Path) -> None:
     interpreter = pytest.importorskip("pyGCodeDecode.gcode_interpreter")
-    options = PrintSettings(
-        route=route, print_speed=40.0, travel_speed=120.0, retraction=1.0, corner_speed=5.0
+    options = wide(
+        route=route,
+        print_speed=40.0,
+        perimeter_speed=40.0,
+        travel_speed=120.0,
+        retraction=1.0,
+        corner_speed=5.0,
     )
     stream = io.StringIO()
     totals = write_gcode(stream, trace(stack(3, 25), options), options)
@@ -442,7 +478,7 @@ def test_time_is_that_of_pygcodedecode(route: str, tmp_path: Path) -> None:
 
 
 def test_retractions_are_in_the_file_as_traced() -> None:
-    options = PrintSettings(route="trails", retraction=0.8)
+    options = wide(route="trails", retraction=0.8)
     paths = list(trace(stack(2, 20), options))
     pulled = sum(int(np.count_nonzero(path.kind == RETRACT)) for path in paths)
     text, _ = written(stack(2, 20), route="trails", retraction=0.8, extrusion="relative")

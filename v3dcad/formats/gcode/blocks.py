@@ -16,6 +16,9 @@ FLAVOURS = {"marlin": "Marlin", "reprapfirmware": "RepRap", "klipper": "Klipper"
 PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(\w+)\}")
 THUMBNAIL_LINE = 76
 """Characters of a thumbnail in one line; readers stop at 78."""
+PRIME_MARGIN = 3.0
+PRIME_WIDTH = 0.6
+"""The prime line's distance from the bed's edges, and the width of its bead, mm."""
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -44,6 +47,7 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
             lines += [f";{name}{a}:{value:.3f}" for a, value in zip("XYZ", corner, strict=True)]
     lines += [
         ";Generated with v3dcad",
+        f"; printer = {' '.join(settings.machine.split())}",
         f"; estimated printing time (normal mode) = {duration_text(totals.time_s)}",
         f"; filament used [mm] = {totals.filament_mm:.2f}",
         f"; filament used [g] = {totals.mass_g:.2f}",
@@ -56,6 +60,7 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
         "G90",
         "M82" if settings.extrusion == "absolute" else "M83",
         "G92 E0",
+        *_prime_line(settings),
         *_acceleration(settings),
         "M107",
         f";LAYER_COUNT:{totals.layers}",
@@ -108,6 +113,33 @@ def duration_text(seconds: float) -> str:
     while len(parts) > 1 and parts[0][0] == 0:
         parts = parts[1:]
     return " ".join(f"{count}{unit}" for count, unit in parts)
+
+
+def _prime_line(settings: PrintSettings) -> list[str]:
+    """A line along the bed's left edge, there and back: it fills the nozzle and wipes it."""
+    width, depth = settings.bed_size()
+    length = min(settings.prime_line, depth - 2 * PRIME_MARGIN)
+    if length <= 0:
+        return []
+    left, front = (-width / 2, -depth / 2) if settings.bed_origin == "centre" else (0.0, 0.0)
+    x, y = left + PRIME_MARGIN, front + PRIME_MARGIN
+    height = settings.first_layer_height
+    filament = length * height * PRIME_WIDTH / settings.filament_area()
+    feed, travel, rise = (
+        round(60 * speed)
+        for speed in (settings.first_layer_speed, settings.travel_speed, settings.z_speed)
+    )
+    return [
+        f"G1 Z2 F{rise}",
+        f"G1 X{x:g} Y{y:g} F{travel}",
+        f"G1 Z{height:g} F{rise}",
+        f"G1 Y{y + length:g} E{filament:.5f} F{feed}",
+        "G92 E0",
+        f"G1 X{x + PRIME_WIDTH:g} F{feed}",
+        f"G1 Y{y:g} E{filament / 2:.5f} F{feed}",
+        "G92 E0",
+        f"G1 Z2 F{rise}",
+    ]
 
 
 def _acceleration(settings: PrintSettings) -> list[str]:

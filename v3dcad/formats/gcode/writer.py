@@ -22,6 +22,7 @@ from v3dcad.model import (
     BRIM,
     CELLS,
     EXTRUDE,
+    INNER_PERIMETER,
     PERIMETER,
     SKIRT,
     SOLID,
@@ -32,6 +33,7 @@ from v3dcad.settings import PrintSettings
 
 COMMENTS = {
     PERIMETER: b";TYPE:WALL-OUTER\n",
+    INNER_PERIMETER: b";TYPE:WALL-INNER\n",
     CELLS: b";TYPE:FILL\n",
     SOLID: b";TYPE:SKIN\n",
     BRIM: b";TYPE:SKIRT\n",
@@ -129,9 +131,19 @@ def _opening(toolpath: Toolpath, settings: PrintSettings, number: int) -> bytes:
     lines = [f";LAYER:{toolpath.layer[0]}"]
     if settings.extrusion == "absolute":
         lines.append("G92 E0")
-    if number == settings.fan_from_layer and settings.fan > 0:
-        lines.append(f"M106 S{round(settings.fan * 2.55)}")
+    power = _fan(settings, number)
+    if power != _fan(settings, number - 1):
+        lines.append(f"M106 S{power}")
     return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _fan(settings: PrintSettings, number: int) -> int:
+    """Power of the fan, 0 to 255, on a layer: it rises evenly up to `fan_full_layer`."""
+    first = settings.fan_from_layer
+    if number < first:
+        return 0
+    share = min(1.0, (number - first + 1) / (max(settings.fan_full_layer - first, 0) + 1))
+    return round(settings.fan * 2.55 * share)
 
 
 def _check_bed(toolpath: Toolpath, settings: PrintSettings) -> None:

@@ -1,0 +1,225 @@
+"""Laws of the joined route, checked by shapely and by a raster that knows nothing of the code."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from diagrams import area_of, disc, layer, scattered, square, stack
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from v3dcad.model import EXTRUDE, PERIMETER, RETRACED, Floats, Layer, Section, Toolpath
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.cell_loops import Loops, cell_loops
+from v3dcad.toolpath.joining import BRIDGE, Bridged, Curves, joined
+from v3dcad.toolpath.perimeters import rings
+from v3dcad.toolpath.report import LayerReport
+
+pytestmark = pytest.mark.slow
+
+W = 0.45
+lean = settings(max_examples=20, deadline=None, derandomize=True)
+
+ISLANDS = Section(0.0, (square(6).rings[0] - [7, 0], square(5).rings[0] + [7, 0]))
+THIN = Section(0.0, (np.array([[-10.0, -2], [10, -2], [10, 2], [1, 2], [1, 9], [-10, 9]]),))
+SECTIONS = [square(10), square(10, hole=3), disc(11), ISLANDS, THIN]
+
+
+def loops_of(made: Layer, perimeters: int = 1) -> tuple[Loops, shapely.Geometry]:
+    """The cells' loops and joined perimeters of a layer, and the area that the cells share."""
+    area = area_of(made.section)
+    shared = area.buffer(-(perimeters + 0.5) * W, join_style="mitre")
+    lines, owners = cell_loops(made, shared, W)
+    for depth in range(perimeters):
+        against = (perimeters - depth) % 2 == 1
+        for ring in rings(area.buffer(-(depth + 1) * W, join_style="mitre")):
+            lines.append(ring[::-1] if against else ring)
+            owners.append(-1 - depth)
+    return Loops.of(lines, owners), shared
+
+
+def lines_of(curves: Curves) -> list[shapely.Geometry]:
+    return [
+        shapely.LinearRing(curves.points[a:b])
+        for a, b in zip(curves.first[:-1], curves.first[1:], strict=True)
+    ]
+
+
+def check_apart(lines: list[shapely.Geometry]) -> None:
+    """No curve crosses or touches itself or another."""
+    assert all(line.is_simple for line in lines)
+    one, other = shapely.STRtree(lines).query(lines, predicate="intersects")
+    assert np.array_equal(one, other)
+
+
+@lean
+@given(st.integers(0, 10**6), st.sampled_from(SECTIONS), st.integers(8, 40), st.integers(1, 3))
+def test_each_region_is_one_closed_curve(
+    seed: int, section: Section, count: int, perimeters: int
+) -> None:
+    made = layer(scattered(count, 10, seed), section)
+    loops, shared = loops_of(made, perimeters)
+    lines = lines_of(joined(loops, W, Bridged()))
+    check_apart(lines)
+    # A curve more for each loop that found no neighbour one bead away, as in narrow tips.
+    lone = [line for line in lines if line.length < 8 * W]
+    assert len(lines) - len(lone) == len(shapely.get_parts(shared))
+    assert len(lone) <= 1
+
+
+@lean
+@given(st.integers(0, 10**6), st.sampled_from(SECTIONS[:3]))
+def test_bridges_are_as_long_as_what_they_replace(seed: int, section: Section) -> None:
+    loops, _ = loops_of(layer(scattered(20, 10, seed), section))
+    before = sum(
+        shapely.LinearRing(loops.points[a:b]).length
+        for a, b in zip(loops.first[:-1], loops.first[1:], strict=True)
+    )
+    after = sum(line.length for line in lines_of(joined(loops, W, Bridged())))
+    assert after == pytest.approx(before, rel=2e-3)
+
+
+@lean
+@given(st.integers(0, 10**6))
+def test_loops_lie_half_a_bead_inside_their_cells_and_the_area(seed: int) -> None:
+    made = layer(scattered(25, 10, seed), square(10, hole=3))
+    area = area_of(made.section).buffer(-W, join_style="mitre")
+    lines, owners = cell_loops(made, area, W)
+    cells = made.diagram.cells()
+    # Who lies beside a cell left out has got a share of it.
+    pairs = made.diagram.neighbours
+    grown = set(pairs[~np.isin(pairs, owners).all(axis=1)].ravel().tolist())
+    for site in set(owners) - grown:
+        cell = shapely.Polygon()
+        for ring in cells[site]:
+            cell = cell ^ shapely.Polygon(ring)
+        wanted = cell.buffer(-W / 2, join_style="mitre") & area.buffer(-W / 2, join_style="mitre")
+        found = shapely.union_all(
+            [shapely.Polygon(line) for line, owner in zip(lines, owners, strict=True)
+             if owner == site]
+        )  # fmt: skip
+        # GEOS cuts sharp corners off, and draws in to 0.01 mm. Only what is too small for a loop
+        # of its own is left out.
+        assert found.difference(wanted.buffer(0.01)).area < 0.01
+        assert wanted.difference(found).area < 0.05
+
+
+def test_the_area_of_a_cell_too_small_goes_to_its_neighbours() -> None:
+    around = np.array([[-4.0, -3], [4, -3.5], [4.5, 3], [-3.5, 4]])
+    pair = np.array([[0.0, 0.02], [0.25, 0.1]])
+    made = layer(np.concatenate([around, pair]), square(8))
+    # The first of the pair has a large cell; two more sites press it together.
+    pressed = np.array([[0.6, 0.1], [0.3, 0.45], [0.3, -0.25], [-0.1, 0.1]])
+    tiny = layer(np.concatenate([around, pair[1:], pressed]), square(8))
+    for given_layer, gone in ((made, set[int]()), (tiny, {4})):
+        area = area_of(given_layer.section)
+        lines, owners = cell_loops(given_layer, area, W)
+        assert not gone & set(owners)
+        grown = [shapely.Polygon(line).buffer(W / 2, join_style="mitre") for line in lines]
+        # What is shared out tiles the area: nothing is left over and nothing given twice.
+        assert shapely.union_all(grown).area == pytest.approx(area.area, rel=2e-3)
+        assert sum(shape.area for shape in grown) == pytest.approx(area.area, rel=2e-3)
+
+
+def bridge_places(curves: Curves) -> Floats:
+    """(b, 2) middles of the steps from loop to loop."""
+    after = np.roll(curves.points, -1, axis=0)
+    for a, b in zip(curves.first[:-1], curves.first[1:], strict=True):
+        after[b - 1] = curves.points[a]
+    return ((curves.points + after) / 2)[curves.owner == BRIDGE]
+
+
+def test_bridges_wander() -> None:
+    loops, _ = loops_of(layer(scattered(60, 15, 2), square(15)))
+    bridged = Bridged()
+    places = [bridge_places(joined(loops, W, bridged)) for _ in range(12)]
+    for below, above in pairwise(places):
+        apart = np.hypot(*(above[:, None] - below[None]).transpose(2, 0, 1)).min(axis=1)
+        assert (apart < W).mean() < 0.05
+
+
+def traced(made: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:
+    reports: list[LayerReport] = []
+    chosen = PrintSettings(route="joined", perimeters=2, skirt_loops=0, **options)
+    return list(trace(made, chosen, reports.append)), reports
+
+
+def extruded(path: Toolpath) -> Floats:
+    """(k, 2, 2) ends of what is extruded."""
+    ends = np.stack([path.points[:-1], path.points[1:]], axis=1)[..., :2]
+    return ends[path.kind[1:] == EXTRUDE]
+
+
+def test_a_layer_is_one_stroke_without_a_stop() -> None:
+    paths, reports = traced(stack(4, 30))
+    for path, report in zip(paths, reports, strict=True):
+        assert report.strokes == 1
+        assert report.retractions == 0
+        assert report.retraced == 0
+        assert not (path.feature == RETRACED).any()
+        kinds = path.kind == EXTRUDE
+        # Once it extrudes, it does not stop.
+        assert kinds[np.argmax(kinds) :].all()
+
+
+@pytest.mark.parametrize("arcs", [False, True])
+def test_outer_perimeters_are_unbroken_and_their_seams_lie_above_each_other(arcs: bool) -> None:
+    made = [layer(scattered(20, 10, 3), disc(10, 0.2 * k), k) for k in range(3)]
+    paths, _ = traced(made, arcs=arcs)
+    seams = []
+    for path in paths:
+        outer = np.nonzero((path.kind == EXTRUDE) & (path.feature == PERIMETER))[0]
+        assert np.array_equal(np.diff(outer), np.ones(len(outer) - 1))
+        assert np.array_equal(path.points[outer[0] - 1], path.points[outer[-1]])
+        ring = shapely.LinearRing(path.points[outer, :2])
+        assert ring.hausdorff_distance(
+            area_of(made[0].section).buffer(-W / 2, join_style="mitre").exterior
+        ) < (0.02 if arcs else 1e-9)
+        assert np.isfinite(path.centre[outer, 0]).all() == arcs
+        seams.append(path.points[outer[-1], :2])
+    assert np.ptp(seams, axis=0) == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_no_more_plastic_than_room(section: Section) -> None:
+    """Beads as a raster of 0.02 mm: what is laid, against the area that it can fill."""
+    half = 0.2 * (np.pi / 4 - 1) / 2 + W / 2
+    layers = [layer(scattered(16, 10, 5), Section(0.2 * k, section.rings), k) for k in range(2)]
+    path = traced(layers)[0][1]
+    cell = 0.02
+    axis = np.arange(-14, 14, cell) + cell / 2
+    filled = np.zeros((len(axis), len(axis)), dtype=bool)
+    for (x0, y0), (x1, y1) in extruded(path):
+        low = np.searchsorted(axis, np.minimum([x0, y0], [x1, y1]) - half)
+        high = np.searchsorted(axis, np.maximum([x0, y0], [x1, y1]) + half)
+        x, y = np.meshgrid(axis[low[0] : high[0]], axis[low[1] : high[1]], indexing="ij")
+        dx, dy = x1 - x0, y1 - y0
+        share = np.clip(((x - x0) * dx + (y - y0) * dy) / max(dx * dx + dy * dy, 1e-18), 0, 1)
+        near = (x - x0 - share * dx) ** 2 + (y - y0 - share * dy) ** 2 <= half**2
+        filled[low[0] : high[0], low[1] : high[1]] |= near
+    room = filled.sum() * cell**2 * 0.2
+    assert path.volume.sum() == pytest.approx(room, rel=0.02)
+
+
+def test_hardly_a_segment_is_shorter_than_a_tenth() -> None:
+    paths, _ = traced(stack(3, 100, 30), minimum_edge=0.1)
+    steps = np.concatenate([extruded(path) for path in paths])
+    assert (np.hypot(*(steps[:, 1] - steps[:, 0]).T) < 0.1).mean() < 0.005
+
+
+def test_what_is_too_thin_for_cells_has_its_perimeters() -> None:
+    strip = Section(0.0, (np.array([[-10.0, -0.6], [10, -0.6], [10, 0.6], [-10, 0.6]]),))
+    (path,), (report,) = traced([layer(scattered(9, 10, 3), strip)])
+    assert report.strokes == 1
+    assert len(extruded(path)) >= 4
+
+
+def test_the_same_layers_give_the_same_toolpath() -> None:
+    once, twice = (traced(stack(3, 30))[0] for _ in range(2))
+    for one, other in zip(once, twice, strict=True):
+        assert one.points.tobytes() == other.points.tobytes()
