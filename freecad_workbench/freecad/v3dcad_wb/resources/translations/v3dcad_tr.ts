@@ -804,6 +804,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>duvarlar</translation>
     </message>
     <message>
+      <source>Machine</source>
+      <translation>Makine</translation>
+    </message>
+    <message>
       <source>Bead width</source>
       <translation>Şerit genişliği</translation>
     </message>
@@ -872,12 +876,36 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Kenarlık genişliği</translation>
     </message>
     <message>
+      <source>Prime line</source>
+      <translation>Başlangıç çizgisi</translation>
+    </message>
+    <message>
       <source>Print speed</source>
       <translation>Baskı hızı</translation>
     </message>
     <message>
+      <source>Perimeter speed</source>
+      <translation>Çevre hızı</translation>
+    </message>
+    <message>
+      <source>Solid speed</source>
+      <translation>Dolu katman hızı</translation>
+    </message>
+    <message>
       <source>Travel speed</source>
       <translation>Boşta hız</translation>
+    </message>
+    <message>
+      <source>Minimum layer time</source>
+      <translation>En kısa katman süresi</translation>
+    </message>
+    <message>
+      <source>Slowest speed</source>
+      <translation>En düşük hız</translation>
+    </message>
+    <message>
+      <source>Most flow</source>
+      <translation>En büyük akış</translation>
     </message>
     <message>
       <source>Z speed</source>
@@ -934,6 +962,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Fan from layer</source>
       <translation>Fanın başladığı katman</translation>
+    </message>
+    <message>
+      <source>Fan full layer</source>
+      <translation>Fanın tam açıldığı katman</translation>
     </message>
     <message>
       <source>Flavour</source>
