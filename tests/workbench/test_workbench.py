@@ -12,6 +12,7 @@ import subprocess
 import time
 
 import pytest
+from printer.fake_prusalink import FakePrusaLink, Serving
 from printer.firmware import Firmware
 from printer.pty_printer import PtyPrinter
 from workbench.conftest import ADDON, ROOT, FreeCAD, merged
@@ -98,6 +99,28 @@ def test_a_print_goes_on_without_freecad(freecad: FreeCAD) -> None:
         until(lambda: '"end"' in told.read_text(encoding="utf-8"), 120)
     end = json.loads(told.read_text(encoding="utf-8").splitlines()[-1])
     assert end["end"] == "finished", end
+
+
+def test_sending_to_a_print_server(freecad: FreeCAD) -> None:
+    handler = type("Handler", (FakePrusaLink,), {"files": {}, "started": []})
+    with Serving(handler) as serving:
+        words = ["-m", "v3dcad", "printer", "add", "one", "--kind", "prusalink"]
+        subprocess.run(
+            [freecad.python, *words, "--url", serving.url],
+            input=b"key\n",
+            env=merged(freecad.variables(), {}),
+            check=True,
+        )
+        checks = "commands_are_there send"
+        said = freecad.run(
+            WINDOWED, window=True, V3DCAD_SEND_TO="one (prusalink)", V3DCAD_CHECKS=checks
+        )
+    assert "passed check_send" in said
+    assert "Traceback" not in said
+    ((name, data),) = handler.files.items()
+    assert name.endswith(".gcode")
+    assert b";LAYER:1" in data
+    assert handler.started == []
 
 
 def test_double_click_on_a_file(freecad: FreeCAD) -> None:

@@ -481,8 +481,8 @@ def say_yes() -> None:
     QtCore.QTimer.singleShot(100, look)
 
 
-def start_print(name: str) -> Any:
-    """Fill a box and print it on the port that V3DCAD_PORT names; the panel's word label."""
+def choose_to_print(name: str, printer: str) -> Any:
+    """Fill a box and have it printed on a port, or sent to a printer; the panel's word label."""
     from freecad.v3dcad_wb.features import make_voronoi_fill
 
     document = new_document(name)
@@ -495,10 +495,18 @@ def start_print(name: str) -> Any:
     select(fill)
     press("V3dcad_Print")
     pump(0.3)
-    panel_widget("printer", QtWidgets.QComboBox).setEditText(os.environ["V3DCAD_PORT"])
+    printers = panel_widget("printer", QtWidgets.QComboBox)
+    if not printer.startswith("/"):
+        until(lambda: printers.findText(printer) >= 0, 60)
+    printers.setEditText(printer)
     say_yes()
     panel_widget("go", QtWidgets.QPushButton).click()
-    said = panel_widget("said", QtWidgets.QLabel)
+    return panel_widget("said", QtWidgets.QLabel)
+
+
+def start_print(name: str) -> Any:
+    """Fill a box and print it on the port that V3DCAD_PORT names; the panel's word label."""
+    said = choose_to_print(name, os.environ["V3DCAD_PORT"])
     until(lambda: "layer" in said.text() or fail_on_end(said.text()), 60)
     return said
 
@@ -530,6 +538,18 @@ def check_print_pause_and_cancel() -> None:
     assert not list(prints_folder().iterdir()), "the print's folder is gone"
     close_panel()
     App.closeDocument("Printing")
+
+
+def check_send() -> None:
+    """To the printer that V3DCAD_SEND_TO names, as the panel lists it."""
+    if "V3DCAD_SEND_TO" not in os.environ:
+        return
+    said = choose_to_print("Send", os.environ["V3DCAD_SEND_TO"])
+    until(lambda: "sent to" in said.text() or fail_on_end(said.text()), 60)
+    assert "not started" in said.text(), said.text()
+    shot("sent")
+    close_panel()
+    App.closeDocument("Send")
 
 
 def check_print_and_leave() -> None:
@@ -709,6 +729,7 @@ CHECKS = [
     check_setup_for_real,
     check_no_environment,
     check_print_pause_and_cancel,
+    check_send,
     check_turkish,
     check_report_view,
     check_print_and_leave,
