@@ -41,8 +41,10 @@ def read_table(path: Path, column: str | None = None) -> tuple[Floats, Floats]:
 def _read_csv(path: Path, column: str | None) -> tuple[Floats, Floats]:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise FormatError("cannot be read as text", path=str(path)) from error
+    except OSError as error:
+        raise FormatError(f"cannot be read ({error.strerror})", path=str(path)) from error
     rows: list[list[float]] = []
     places: list[int] | None = None
     for number, line in enumerate(lines, start=1):
