@@ -19,7 +19,7 @@ LONGEST = 4000
 GIVE = "give a number, auto, or an expression of x, y, z"
 """What to do where a text is none."""
 
-NAMES: dict[str, int | float] = {"x": 0, "y": 1, "z": 2}
+AXES = {"x": 0, "y": 1, "z": 2}
 CONSTANTS = {"pi": np.pi}
 
 OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
@@ -115,8 +115,8 @@ def _compiled(node: ast.expr, text: str, sources: Mapping[str, Source]) -> Evalu
             raise _refusal(text, "a number is too large") from None
         return lambda at: number
     if isinstance(node, ast.Name):
-        if node.id in NAMES:
-            axis = int(NAMES[node.id])
+        if node.id in AXES:
+            axis = AXES[node.id]
             return lambda at: at[axis]
         if node.id in CONSTANTS:
             return lambda at: CONSTANTS[node.id]

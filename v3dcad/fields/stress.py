@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from v3dcad.errors import FormatError
-from v3dcad.fields.table import read_vtk
+from v3dcad.fields.table import read_vtk, refuse_unusable
 from v3dcad.model import Floats
 
 VON_MISES = re.compile(r"von[ _-]*mises", re.IGNORECASE)
@@ -32,10 +32,7 @@ def read_stress(path: Path) -> tuple[Floats, Floats]:
         points, values = _read_vtk_stress(path)
     else:
         raise FormatError("not a result that can be read; give .frd, .vtu or .vtk", path=str(path))
-    if not len(points):
-        raise FormatError("contains no nodes with a stress", path=str(path))
-    if not (np.isfinite(points).all() and np.isfinite(values).all()):
-        raise FormatError("contains values that are not finite", path=str(path))
+    refuse_unusable(points, values, path, "nodes with a stress")
     return points, values
 
 

@@ -31,11 +31,18 @@ def read_table(path: Path, column: str | None = None) -> tuple[Floats, Floats]:
     else:
         known = ", ".join((*CSV, *VTK))
         raise FormatError(f"not a table that can be read; give {known}", path=str(path))
+    refuse_unusable(points, values, path, "points")
+    return points, values
+
+
+def refuse_unusable(points: Floats, values: Floats, path: Path, what: str) -> None:
+    """Raise `FormatError` where there are no points (n, 3) with values (n,), called `what`, or any
+    that are not finite.
+    """
     if not len(points):
-        raise FormatError("contains no points", path=str(path))
+        raise FormatError(f"contains no {what}", path=str(path))
     if not (np.isfinite(points).all() and np.isfinite(values).all()):
         raise FormatError("contains values that are not finite", path=str(path))
-    return points, values
 
 
 def _read_csv(path: Path, column: str | None) -> tuple[Floats, Floats]:

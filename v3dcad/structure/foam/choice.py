@@ -33,7 +33,8 @@ def foam_for(
     if sites is not None:
         return _given(low, high, np.asarray(sites, np.float64), settings)
     columns = settings.stretch == "columns"
-    stretch = np.inf if columns else settled_stretch(settings)
+    least = stretch_for(settings.max_overhang)
+    stretch = np.inf if columns else settled_stretch(settings, least, least, "walls")
     size = settings.cell_size
     if size == "auto":
         size = auto_cell_size(high - low)
@@ -57,18 +58,17 @@ def auto_cell_size(size: Floats) -> float:
     return min(even, MOST, float(size[:2].max()))
 
 
-def settled_stretch(settings: FillSettings) -> float:
-    """The stretch of a uniform foam.
+def settled_stretch(settings: FillSettings, usual: float, least: float, walls: str) -> float:
+    """The stretch of a foam: the usual one, or the one that is given.
 
-    Raises `SettingError` for one with which the shipped sites' walls lean too much.
+    Raises `SettingError` for one below the least, with which `walls` (in words) lean too much.
     """
-    least = 1.0 if settings.max_overhang >= 90 else stretch_for(settings.max_overhang)
     if isinstance(settings.stretch, str):
-        return least
+        return usual
     if settings.stretch < least:
         raise SettingError(
             "stretch",
-            f"--stretch {settings.stretch:g}: walls would lean more than "
+            f"--stretch {settings.stretch:g}: {walls} would lean more than "
             f"{settings.max_overhang:g}°; give at least {least:.4g}, leave it to auto, or allow "
             "more with --max-overhang",
         )

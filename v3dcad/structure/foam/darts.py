@@ -65,11 +65,8 @@ def beyond(place: float, low: float, high: float) -> float:
 
 
 @compiled(ENTRY)
-def add_shares(grid: SizeGrid, inside: FloatRows, pad: float, shares: FloatArray) -> float:
-    """Write how many cubes of the radius are in the grid's cubes, up to each of them (n,), in all.
-
-    Only cubes within `pad` radii of the box `inside` (2, 3) count.
-    """
+def add_shares(grid: SizeGrid, inside: FloatRows, pad: float, shares: FloatArray) -> None:
+    """Write what `shares_of` returns."""
     a, b, c = grid.sizes.shape
     total, cube = 0.0, 0
     for i in range(a - 1):
@@ -88,7 +85,6 @@ def add_shares(grid: SizeGrid, inside: FloatRows, pad: float, shares: FloatArray
                     total += (grid.side / radius) ** 3
                 shares[cube] = total
                 cube += 1
-    return total
 
 
 @compiled(ENTRY)
@@ -141,18 +137,29 @@ def throw_graded(
     return count
 
 
+def shares_of(grid: SizeGrid, inside: Floats, pad: float) -> Floats:
+    """How many cubes of the radius are in a grid's cubes, up to each of them (n,), in all.
+
+    Only those within about `pad` radii of the box `inside` (2, 3) count. `EXPECTED` of them has a
+    site.
+    """
+    shares = np.empty(int(np.prod(np.array(grid.sizes.shape) - 1)))
+    add_shares(grid, inside, pad, shares)
+    return shares
+
+
 def graded_disk(
-    grid: SizeGrid, inside: Floats, pad: float, random_seed: int
+    grid: SizeGrid, shares: Floats, inside: Floats, pad: float, random_seed: int
 ) -> tuple[Floats, Floats]:
     """Random sites (n, 3) in and around a box (2, 3) and their radii (n,), as a grid has them.
 
     None is nearer to another than the mean of their radii, none more than `pad` of its radii
-    outside the box. As many darts are thrown as `DARTS` says, at random with the density of sites.
+    outside the box. As many darts are thrown as `DARTS` says, at random with the density of sites:
+    by `shares_of` the same grid.
     """
     low = grid.corner
     high = low + grid.side * (np.array(grid.sizes.shape) - 1)
-    shares = np.empty(int(np.prod(np.array(grid.sizes.shape) - 1)))
-    cubes = add_shares(grid, inside, pad, shares)
+    cubes = float(shares[-1])
     capacity = int(DENSEST * cubes) + 64
     side = float(np.cbrt(np.prod(high - low) / (EXPECTED * cubes)))
     bins = empty_bins(low, high, side, capacity, periodic=False)

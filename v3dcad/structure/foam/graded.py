@@ -8,7 +8,7 @@ random numbers. The sites so made are explicit ones: whoever has them has the st
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -16,20 +16,22 @@ from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.model import Floats, Progress, Value, unheard
 from v3dcad.settings import FillSettings
-from v3dcad.structure.foam.darts import EXPECTED, add_shares, graded_disk
+from v3dcad.structure.foam.choice import settled_stretch
+from v3dcad.structure.foam.darts import EXPECTED, graded_disk, shares_of
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.random import random_bits
 from v3dcad.structure.foam.relaxing import STAGES, relax_inside
-from v3dcad.structure.foam.size_grid import Field, Sampled, sampled
+from v3dcad.structure.foam.size_grid import SLOPE, Field, Sampled, sampled
 from v3dcad.structure.foam.space import steepest_in, tilt
+from v3dcad.structure.foam.tile import stretch_for
 from v3dcad.structure.foam.uniform import refuse_larger
 
 TAU, LEAST_TAU = 1.67, 1.41
 """The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
 
 CELLS = 1.055
-"""Cells in a square of the radius of a horizontal section, as `python -m benchmarks.grading` counts
-them."""
+"""Cells in a square of the radius of a horizontal section: counted at τ = 1.67 in cubes of 16 radii
+(two seeds: 1.050 and 1.055), where τ = 1.41 makes 1 % more."""
 
 PAD = 3.0
 """In radii: how far around the box sites are made."""
@@ -69,22 +71,12 @@ def graded_stretch(settings: FillSettings) -> float:
 
     Raises `SettingError` for columns, and for one with which no sites would be found.
     """
-    slope = inf if settings.max_overhang >= 90 else np.tan(np.radians(settings.max_overhang))
     if settings.stretch == "columns":
         raise SettingError(
             "stretch", "--stretch columns: cells of many sizes need a number, or auto"
         )
-    if isinstance(settings.stretch, str):
-        return max(1.0, round(float(TAU / slope), 12))
-    least = max(1.0, round(float(LEAST_TAU / slope), 12))
-    if settings.stretch < least:
-        raise SettingError(
-            "stretch",
-            f"--stretch {settings.stretch:g}: with cells of many sizes, walls would lean more than "
-            f"{settings.max_overhang:g}°; give at least {least:.4g}, leave it to auto, or allow "
-            "more with --max-overhang",
-        )
-    return float(settings.stretch)
+    usual, least = (stretch_for(settings.max_overhang, tau) for tau in (TAU, LEAST_TAU))
+    return settled_stretch(settings, usual, least, "with cells of many sizes, walls")
 
 
 def graded_sites(
@@ -114,20 +106,26 @@ def graded_sites(
             "strict",
             f"--strict: the cell size changes too steeply in {100 * graded.finer:.2g} % of the "
             f"part's box, where cells of {100 * graded.finest:.2g} % of the size would be made; "
-            "let it change by at most 0.3 mm a mm sideways and "
-            f"{0.3 / stretch:.2g} mm a mm upward, or leave --strict out",
+            f"let it change by at most {SLOPE:g} mm a mm sideways and "
+            f"{SLOPE / stretch:.2g} mm a mm upward, or leave --strict out",
         )
-    _refuse_many(sizes, inside)
+    shares = shares_of(sizes.grid, inside, PAD)
+    _refuse_many(EXPECTED * float(shares[-1]))
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
     for _ in range(TRIES):
         seed = int(random_bits(state)) >> 1
+        progress("scattering cells", 0, 1)
         try:
-            places = _relaxed(sizes, inside, stretch, settings.max_overhang, seed, progress)
+            places, radii = graded_disk(sizes.grid, shares, inside, PAD, seed)
+            if settings.max_overhang < 90:
+                tau = stretch * float(np.tan(np.radians(settings.max_overhang)))
+                places = _straightened(places, radii, inside, tau, seed, progress)
+            _, reach = cell_reaches(places, *inside)
         except GeometryError as error:
             failure = str(error)
             continue
-        sites = places / squeezed
+        sites = places[reach > 0] / squeezed  # those that may have a cell in the box
         progress("certifying walls", 0, 1)
         foam = explicit_sites(sites, stretch, low, high)
         worst = steepest_in(foam, low, high)
@@ -143,33 +141,22 @@ def graded_sites(
     )
 
 
-def _relaxed(
-    sizes: Sampled,
-    inside: Floats,
-    stretch: float,
-    max_overhang: float,
-    random_seed: int,
-    progress: Progress,
+def _straightened(
+    places: Floats, radii: Floats, inside: Floats, tau: float, random_seed: int, progress: Progress
 ) -> Floats:
-    """Sites (n, 3) in the stretched space that may have a cell in the box."""
-    progress("scattering cells", 0, 1)
-    places, radii = graded_disk(sizes.grid, inside, PAD, random_seed)
-    if max_overhang < 90:
-        tau = stretch * float(np.tan(np.radians(max_overhang)))
-        stages = [stage for stage in STAGES if stage > tau] + [tau]
-        first: dict[float, int] = {}
+    """Sites (n, 3) in the stretched space moved until no wall leans more than τ allows."""
+    stages = [stage for stage in STAGES if stage > tau] + [tau]
+    first: dict[float, int] = {}
 
-        def told(stage: float, bad: int) -> None:
-            most = first.setdefault(stage, max(bad, 1))
-            share = 1 - min(bad / most, 1.0)
-            done = int(100 * (stages.index(stage) + share))
-            progress("straightening walls", done, 100 * len(stages))
+    def told(stage: float, bad: int) -> None:
+        most = first.setdefault(stage, max(bad, 1))
+        share = 1 - min(bad / most, 1.0)
+        done = int(100 * (stages.index(stage) + share))
+        progress("straightening walls", done, 100 * len(stages))
 
-        places = relax_inside(
-            places, radii, inside, tau, slack=SLACK, random_seed=random_seed, progress=told
-        )
-    _, reach = cell_reaches(places, *inside)
-    return places[reach > 0]
+    return relax_inside(
+        places, radii, inside, tau, slack=SLACK, random_seed=random_seed, progress=told
+    )
 
 
 def _compared(sizes: Sampled, scale: float, stretch: float) -> Graded:
@@ -182,9 +169,8 @@ def _compared(sizes: Sampled, scale: float, stretch: float) -> Graded:
     return Graded(np.empty((0, 3)), stretch, asked, made, float(share.min()), finer)
 
 
-def _refuse_many(sizes: Sampled, inside: Floats) -> None:
-    shares = np.empty(int(np.prod(np.array(sizes.grid.sizes.shape) - 1)))
-    count = EXPECTED * add_shares(sizes.grid, inside, PAD, shares)
+def _refuse_many(count: float) -> None:
+    """Raise `SettingError` for more sites than `MOST`."""
     if count > MOST:
         larger = (count / MOST) ** (1 / 3)
         raise SettingError(

@@ -119,10 +119,13 @@ def tiles() -> tuple[Tile, ...]:
     return tuple(Tile(*one) for one in zip(*parts, cells, strict=True))
 
 
-def stretch_for(max_overhang: float) -> float:
-    """The least stretch at which no wall of the tiles leans more than an angle, degrees."""
+def stretch_for(max_overhang: float, tau: float = sqrt(TAU_SQUARED)) -> float:
+    """The least stretch at which no wall of sites with a τ leans more than an angle, degrees.
+
+    `tau` is the tiles' by default.
+    """
     # Rounded, so that 45° is 1.25 and not the next number.
-    return max(1.0, round(sqrt(TAU_SQUARED) / float(np.tan(np.radians(max_overhang))), 12))
+    return max(1.0, round(tau / float(np.tan(np.radians(max_overhang))), 12))
 
 
 def pattern(cell_size: float, random_seed: int, frame: float) -> Pattern:
