@@ -66,7 +66,8 @@ def print_file(
     from v3dcad.commands.gcode_check import checked, machine_of
 
     chosen = PortSettings(**given(PortSettings, settings))
-    chosen.park_place(), chosen.cancel_lines()
+    chosen.park_place()
+    chosen.cancel_lines()
     program, summary = checked(file, machine_of(profile))
     extent = Extent(file.name, program.size, program.commands, summary.layers, summary.time_s)
     before = None

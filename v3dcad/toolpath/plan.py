@@ -63,15 +63,12 @@ class Plan:
         if self.first:
             yield from self._around()
         depths = perimeter_depths(self.settings, self.spacing)
-        innermost = inset(self.area, depths[-1])
         self.narrow_area = narrow_area(self.area, depths[0])
-        outer = [
-            self._arced(loops_graph(loops(inset(self.area, depth)), PERIMETER), depth)
-            for depth in depths[:-1]
-        ]
         if self.settings.route == "joined" and not self.solid:
             yield from self._in_closed_strokes(depths)
             return
+        outer = [self._perimeter(depth) for depth in depths[:-1]]
+        innermost = inset(self.area, depths[-1])
         graph, self.joined = with_short_edges_joined(
             self._arced(self._cells_within(innermost, depths[-1]), depths[-1]),
             self.settings.minimum_edge,
@@ -90,14 +87,13 @@ class Plan:
                 yield self._moved_to(_line(line))
 
     def _in_closed_strokes(self, depths: list[float]) -> Iterator[Stroke]:
-        outermost = loops_graph(loops(inset(self.area, depths[0])), PERIMETER)
         for stroke in joined_strokes(
             self.layer,
             self.area,
             depths,
             self.spacing,
             self.settings.minimum_edge,
-            self._arced(outermost, depths[0]),
+            self._perimeter(depths[0]),
             self.bridged,
             self.here,
         ):
@@ -125,6 +121,10 @@ class Plan:
         if depth == 0:
             return diagram_graph(self.layer.diagram)
         return trimmed(self.layer.diagram, innermost, loops(innermost))
+
+    def _perimeter(self, depth: float) -> PathGraph:
+        """The perimeter `depth` mm inside the contours."""
+        return self._arced(loops_graph(loops(inset(self.area, depth)), PERIMETER), depth)
 
     def _arced(self, graph: PathGraph, depth: float) -> PathGraph:
         return with_arcs(graph, self.layer.section, depth) if self.settings.arcs else graph
