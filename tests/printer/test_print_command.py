@@ -52,7 +52,7 @@ class Printing:
             [sys.executable, "-m", "v3dcad", "print", *map(str, words),
              *(["--json"] if as_json else [])],
             stdin=subprocess.PIPE if as_json else subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
             env={**os.environ, "PYTHONPATH": str(ROOT), "XDG_STATE_HOME": str(home)},
         )  # fmt: skip
 
