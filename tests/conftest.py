@@ -25,7 +25,7 @@ hypothesis.settings.load_profile("v3dcad")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark as fast what nothing else keeps out of a quick run."""
     for item in items:
-        if not any(map(item.get_closest_marker, ("slow", "long", "freecad"))):
+        if not any(map(item.get_closest_marker, ("slow", "long"))):
             item.add_marker("fast")
 
 

@@ -1,7 +1,8 @@
-"""Libraries that v3dcad is at home in, where they are installed and whole."""
+"""Programs and libraries that v3dcad is at home in, where they are installed and whole."""
 
 from __future__ import annotations
 
+import shutil
 import warnings
 from types import ModuleType
 
@@ -20,3 +21,12 @@ def cadquery_or_skip() -> ModuleType:
     except Exception as error:
         pytest.skip(f"needs the extra [cadquery]: {error!r}", allow_module_level=True)
     return cadquery
+
+
+def freecad_or_skip(*, window: bool = False) -> str:
+    """The command that starts FreeCAD, with a window or without; skips where there is none."""
+    names = ("freecad", "FreeCAD") if window else ("freecadcmd", "FreeCADCmd", "freecad.cmd")
+    command = next(filter(None, map(shutil.which, names)), None)
+    if command is None or (window and shutil.which("xvfb-run") is None):
+        pytest.skip("FreeCAD or Xvfb is not installed: apt-get install freecad xvfb")
+    return command

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -12,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from hosts import freecad_or_skip
 
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = ROOT / "freecad_workbench" / "freecad" / "v3dcad_wb"
-NAMES = {False: ("freecadcmd", "FreeCADCmd", "freecad.cmd"), True: ("freecad", "FreeCAD")}
 PICTURES = os.environ.get("V3DCAD_PICTURES")
 
 
@@ -56,9 +55,7 @@ class FreeCAD:
 
     def command(self, *arguments: str, window: bool) -> list[str]:
         """The command line of FreeCAD, with a screen of its own where it has a window."""
-        command = next(filter(None, map(shutil.which, NAMES[window])), None)
-        if command is None or (window and shutil.which("xvfb-run") is None):
-            pytest.skip("FreeCAD or Xvfb is not installed: apt-get install freecad xvfb")
+        command = freecad_or_skip(window=window)
         if not window:
             return [command, *arguments]
         screen = ["xvfb-run", "-a", "-s", "-screen 0 1400x900x24 +extension GLX"]

@@ -262,13 +262,23 @@ def check_changed_source_and_undo() -> None:
     assert fill.Status == FRESH
 
 
-def check_cancel() -> None:
-    document = App.ActiveDocument
-    fill = fill_of(document)
-    made, edges = fill.Made, fill.Edges
+def begin_to_fill_long(fill: Any) -> None:
     fill.LayerHeight = 0.0005
-    document.recompute()
+    fill.Document.recompute()
     until(lambda: worker.running is not None)
+
+
+def fill_quickly(fill: Any) -> None:
+    fill.LayerHeight = 0.3
+    fill.Document.recompute()
+    until(idle)
+    assert fill.Status == FRESH
+
+
+def check_cancel() -> None:
+    fill = fill_of(App.ActiveDocument)
+    made, edges = fill.Made, fill.Edges
+    begin_to_fill_long(fill)
     process = worker._process.processId()
     pump(0.7)
     shot("progress")
@@ -278,28 +288,19 @@ def check_cancel() -> None:
     assert fill.Made == made
     assert fill.Edges == edges
     until(lambda: not Path(f"/proc/{process}").exists(), 10)
-    fill.LayerHeight = 0.3
-    document.recompute()
-    until(idle)
-    assert fill.Status == FRESH
+    fill_quickly(fill)
 
 
 def check_crash() -> None:
-    document = App.ActiveDocument
-    fill = fill_of(document)
+    fill = fill_of(App.ActiveDocument)
     edges = fill.Edges
-    fill.LayerHeight = 0.0005
-    document.recompute()
-    until(lambda: worker.running is not None)
+    begin_to_fill_long(fill)
     pump(0.2)
     os.kill(worker._process.processId(), 11)
     until(idle)
     assert "ended in the middle" in fill.Status, fill.Status
     assert fill.Edges == edges
-    fill.LayerHeight = 0.3
-    document.recompute()
-    until(idle)
-    assert fill.Status == FRESH
+    fill_quickly(fill)
 
 
 def check_two_fills_and_closing() -> None:
