@@ -14,7 +14,8 @@ from .preview import Preview
 from .qt import QtCore, QtWidgets, number_of, tr
 
 TARGETS = (
-    "full", "layer", "cell", "neighbours", "neighbour", "tree", "cut", "sizes", "overhang", "toolpath",
+    "full", "layer", "cell", "neighbours", "neighbour", "tree", "cut", "sizes", "overhang",
+    "toolpath",
 )  # fmt: skip
 
 
