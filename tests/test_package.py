@@ -54,18 +54,15 @@ def test_the_wheel_fills_a_part_outside_the_checkout(
         shutil.copystat(path, installed / path.relative_to(ROOT))
     for caches in PACKAGE.rglob("__pycache__"):
         shutil.copytree(caches, installed / caches.relative_to(ROOT))
+    outside = {"cwd": tmp_path, "env": {**os.environ, "PYTHONPATH": str(installed)}}
     words = ["fill", str(samples / "pyramid.stl"), "--out", "out", "--layer-height", "2"]
     done = subprocess.run(
         [sys.executable, "-m", "v3dcad", *words, "--profile", "prusa-mk4"],
-        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(installed)},
-        capture_output=True, encoding="utf-8",
+        capture_output=True, encoding="utf-8", **outside,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     made = {path.suffix for path in (tmp_path / "out").iterdir()}
     assert made == {".ont", ".gcode", ".step", ".png", ".json"}
-    show = "import v3dcad; print(v3dcad.__file__)"
-    where = subprocess.run(
-        [sys.executable, "-c", show], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(installed)},
-        capture_output=True, encoding="utf-8", check=True,
-    )  # fmt: skip
+    show = [sys.executable, "-c", "import v3dcad; print(v3dcad.__file__)"]
+    where = subprocess.run(show, capture_output=True, encoding="utf-8", check=True, **outside)
     assert Path(where.stdout.strip()).is_relative_to(installed)
