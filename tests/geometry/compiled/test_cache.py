@@ -179,5 +179,5 @@ def test_old_code_that_cannot_be_deleted_is_refused(
 
     compile_all(beside(package))
     monkeypatch.setattr(Path, "unlink", refuse)
-    with pytest.raises(V3dcadError, match="older sources that cannot be deleted .*NUMBA_CACHE_DIR"):
+    with pytest.raises(V3dcadError, match="older sources that cannot be deleted"):
         settle_caches(package)

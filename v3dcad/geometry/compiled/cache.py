@@ -14,6 +14,7 @@ import sys
 import tempfile
 from hashlib import blake2b
 from pathlib import Path
+from typing import Any
 
 from numba.core import config as _config
 from numba.core.caching import (
@@ -31,6 +32,8 @@ COMPILED_FOLDERS = ("geometry", "structure")
 """The folders, at any depth, with compiled functions that call others in other files. The few in
 `formats` and `toolpath` call none: numba itself sees when their file has changed."""
 
+config: Any = _config
+
 VARIABLE = "NUMBA_CACHE_DIR"
 
 
@@ -47,7 +50,7 @@ def settle_caches(package: Path) -> None:
     places = [_place(source) for source in sources]
     if None in places:
         os.environ[VARIABLE] = str(_temporary_folder())  # for child processes too
-        _config.reload_config()
+        config.reload_config()
         places = [_place(source) for source in sources]
     _forget_stale(sources, sorted({place for place in places if place}))
 
@@ -55,7 +58,7 @@ def settle_caches(package: Path) -> None:
 def _place(source: Path) -> Path | None:
     """The folder in which numba keeps what it compiles of a file; None where it finds none."""
     for kind in (UserProvidedCacheLocator, InTreeCacheLocator, UserWideCacheLocator):
-        if kind is UserProvidedCacheLocator and not _config.CACHE_DIR:
+        if kind is UserProvidedCacheLocator and not config.CACHE_DIR:
             continue
         found = kind(settle_caches, str(source))
         if kind is UserWideCacheLocator and not Path(found.get_cache_path()).is_absolute():
