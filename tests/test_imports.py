@@ -17,6 +17,7 @@ MAY_IMPORT = {
     "errors": set(),
     "settings": {"errors"},
     "model": {"errors", "settings"},
+    "arguments": {"errors", "settings"},
     "files": {"errors"},
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
@@ -35,6 +36,7 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {
+        "arguments",
         "fields",
         "files",
         "forms",
@@ -64,7 +66,7 @@ MAY_IMPORT = {
         "watched",
         "worker",
     },
-    "options": {"settings"},
+    "options": {"errors", "settings"},
     "commands": INSIDE
     | {
         "commands",
@@ -84,9 +86,9 @@ MAY_IMPORT = {
         "watched",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
-    "cli": {"commands", "errors"},
+    "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
+    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {

@@ -318,7 +318,7 @@ def test_a_setting_of_the_other_method_is_refused(
 ) -> None:
     """Even where it is given as its default."""
     own = "foam" if "method" in settings else "thesis"
-    says = f"--{name.replace('_', '-')} is a setting of --method {own}, not of "
+    says = f"{name} is a setting of method {own}, not of "
     with pytest.raises(v3dcad.SettingError, match=says) as caught:
         v3dcad.fill(samples / "cone.step", **settings)
     assert caught.value.name == name

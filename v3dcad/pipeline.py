@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from v3dcad.arguments import takes_settings
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -26,6 +27,7 @@ from v3dcad.model import (
     Progress,
     Recipe,
     Section,
+    part_words,
     unheard,
 )
 from v3dcad.parts import MeshPart, part_from
@@ -77,6 +79,10 @@ class Structure(Forms, Views):
     to place made; to the last bit"""
     graded: Graded | None = None
     """how such cells differ from what was asked"""
+
+    def __repr__(self) -> str:
+        what = f"{len(self.layers)} layers, {self.settings.method}"
+        return f"<Structure of {part_words(self.part)}: {what}>"
 
     @property
     def settings(self) -> FillSettings:
@@ -318,6 +324,7 @@ def _any_inside(sites: Floats, rectangle: Floats) -> bool:
     return bool(inside.all(axis=1).any())
 
 
+@takes_settings(FillSettings)
 def fill(
     source: Any,
     *,
@@ -373,7 +380,7 @@ def build_recipe(
             raise FormatError(
                 f"the structure that it makes is not the one that was written: "
                 f"{', '.join(differences)}. Written by {recipe.software}, this is v3dcad "
-                f"{VERSION}; --no-verify (verify=False) takes it as it is",
+                f"{VERSION}; --no-verify takes it as it is",
                 path=f"{recipe.name}.ont", section="CHECKSUM",
             )  # fmt: skip
     return structure

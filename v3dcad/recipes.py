@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -65,7 +66,9 @@ def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillS
         chosen = {**chosen, "sites": len(sites)}
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
-            raise SettingError(name, f"there is no setting {name!r}")
+            near = difflib.get_close_matches(name, FillSettings.__dataclass_fields__, n=1)
+            hint = f"did you mean {near[0]}?" if near else "help(v3dcad.fill) lists them"
+            raise SettingError(name, f"there is no setting {name!r}; {hint}")
     settings = FillSettings(**chosen)
     for name in chosen:
         FillSettings.refuse_other(name, settings.method)

@@ -12,8 +12,8 @@ arcs, section_area, print_time
 
 from pathlib import Path
 
-from v3dcad.geometry.compiled.cache import forget_stale
+from v3dcad.geometry.compiled.cache import settle_caches
 from v3dcad.geometry.compiled.speed import hasten_compiling
 
 hasten_compiling("v3dcad")
-forget_stale(Path(__file__).parents[1])
+settle_caches(Path(__file__).parents[1])

@@ -58,7 +58,7 @@ def _checked(key: str, value: Any, path: str) -> Any:
     known = PrintSettings.__dataclass_fields__
     if key not in known:
         near = difflib.get_close_matches(key, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else "see `v3dcad fill --help` for their names"
+        hint = f"did you mean {near[0]}?" if near else "see `v3dcad fill -h` for their names"
         raise FormatError(f"{key} is not a setting; {hint}", path=path)
     wanted = type(known[key].default)
     if wanted is float and type(value) is int:
@@ -70,7 +70,7 @@ def _checked(key: str, value: Any, path: str) -> Any:
         alone: dict[str, Any] = {key: value}
         PrintSettings(**alone).bed_size()
     except SettingError as error:
-        raise FormatError(f"{key}: {error}", path=path) from error
+        raise FormatError(f"{key}: {error.message}", path=path) from error
     return value
 
 

@@ -58,7 +58,7 @@ def settings_from(
         try:
             FillSettings(**{"method": method, name: chosen[name]})
         except SettingError as error:
-            raise field.error(str(error)) from error
+            raise field.error(error.message) from error
     if sites is not None and method == "thesis" and chosen.setdefault("sites", sites) != sites:
         raise fields["sites"].error(f"states {chosen['sites']} sites, but {sites} are listed")
     return FillSettings(**chosen)
