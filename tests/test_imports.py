@@ -95,6 +95,7 @@ GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
     "graphs": set(),
+    "loops": {"compiled", "power_diagram"},
     "section_area": set(),
     "print_time": {"arcs", "compiled"},
     "power_diagram": {"compiled"},

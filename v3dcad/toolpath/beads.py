@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     EXTRUDE,
@@ -27,7 +28,6 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.cooling import cooled
-from v3dcad.toolpath.joining import Bridged
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.stroke import Stroke

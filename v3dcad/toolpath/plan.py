@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
+from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.model import (
     BRIM,
     PERIMETER,
@@ -27,7 +28,6 @@ from v3dcad.toolpath.graph import (
     with_short_edges_joined,
 )
 from v3dcad.toolpath.joined_route import joined_strokes
-from v3dcad.toolpath.joining import Bridged
 from v3dcad.toolpath.perimeters import inset, loops, with_arcs
 from v3dcad.toolpath.route import Walk, minimum_join, walks
 from v3dcad.toolpath.solid import hatch
