@@ -21,9 +21,10 @@ MAY_IMPORT = {
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
-    "fields": INSIDE | {"fields"},
+    "fields": INSIDE | {"fields", "formats"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
@@ -86,7 +87,7 @@ MAY_IMPORT = {
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
+    "__init__": INSIDE | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure"},
 }
 
 GEOMETRY_MAY_IMPORT = {
