@@ -22,9 +22,10 @@ MAY_IMPORT = {
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
-    "fields": INSIDE | {"fields"},
+    "fields": INSIDE | {"fields", "formats"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
@@ -88,7 +89,8 @@ MAY_IMPORT = {
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure", "version"},
+    "__init__": INSIDE
+    | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {

@@ -191,6 +191,7 @@ def test_other_settings_make_another_structure_and_are_not_compared(
         v3dcad.fill(written, stretch=1.0)
     assert v3dcad.fill(thesis, offset=0.4).settings.offset == 0.4
     assert len(v3dcad.fill(thesis, sites=7).sites) == 7
+    assert v3dcad.fill(thesis, random_seed=4).settings.random_seed == 4
     turned = v3dcad.fill(thesis, method="foam")
     assert (turned.settings.method, turned.settings.random_seed) == ("foam", 3)
     for recipe, wrong, says in (
