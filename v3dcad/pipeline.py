@@ -131,7 +131,8 @@ class Structure(Forms, Views):
 
         `density` is in g/cm³ (PLA's is 1.24).
         """
-        return properties(self.layers, self.settings.layer_height, wall_width, density)
+        height, base = self.settings.layer_span()
+        return properties(self.layers, height, wall_width, density, base=base)
 
     def facets(self, beyond: float = 0.0) -> Facets:
         """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
@@ -277,9 +278,12 @@ class SectionedPart:
 def sectioned(
     part: Part, settings: FillSettings, executor: Executor | None = None
 ) -> SectionedPart:
-    """The first half of `build`: goes by `SectionSettings` and `FillSettings.lofts` only."""
+    """The first half of `build`: goes by `SectionSettings`, `FillSettings.section_above` and
+    `FillSettings.lofts` only.
+    """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
-    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    top, above = float(part.bounds[1, 2]), settings.section_above()
+    heights = layer_heights(top, settings.layer_height, above)
     planes = np.unique(heights[[0, -1]]) if settings.lofts else heights
     return SectionedPart(part, heights, part.sections(planes, settings.chord_tolerance, executor))
 

@@ -149,7 +149,7 @@ def test_bridges_wander() -> None:
 
 def traced(made: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
-    chosen = PrintSettings(route="joined", perimeters=2, skirt_loops=0, **options)
+    chosen = PrintSettings(route="joined", perimeters=2, skirt_loops=0, brim_width=0.0, **options)
     return list(trace(made, chosen, reports.append)), reports
 
 
