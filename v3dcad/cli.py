@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup
+from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup, view
 from v3dcad.commands import slice as slicing
 from v3dcad.errors import V3dcadError
 
@@ -24,6 +24,7 @@ def _app() -> None:
 
 app.command()(fill.fill)
 app.command()(fill.info)
+app.command()(view.view)
 app.command("slice")(slicing.slice_part)
 app.command("print")(print_port.print_file)
 app.command()(ports.ports)
