@@ -18,13 +18,15 @@ MAY_IMPORT = {
     "settings": {"errors"},
     "svg": set(),
     "model": {"errors", "settings", "svg"},
+    "arguments": {"errors", "settings"},
     "files": {"errors"},
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
-    "fields": INSIDE | {"fields"},
+    "fields": INSIDE | {"fields", "formats"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
@@ -36,6 +38,7 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {
+        "arguments",
         "fields",
         "files",
         "forms",
@@ -65,7 +68,7 @@ MAY_IMPORT = {
         "watched",
         "worker",
     },
-    "options": {"settings"},
+    "options": {"errors", "settings"},
     "commands": INSIDE
     | {
         "commands",
@@ -86,15 +89,17 @@ MAY_IMPORT = {
         "watched",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
-    "cli": {"commands", "errors"},
+    "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
+    "__init__": INSIDE
+    | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
     "graphs": set(),
+    "loops": {"compiled", "power_diagram"},
     "section_area": set(),
     "print_time": {"arcs", "compiled"},
     "power_diagram": {"compiled"},

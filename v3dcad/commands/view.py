@@ -59,6 +59,7 @@ def view(
             raise SettingError(kind, message)
     if target not in TARGETS:
         raise SettingError("target", f"--target {target}: give {', '.join(TARGETS)}")
+    chosen = given(FillSettings, settings)
     printing = print_settings(profile, settings)
     load_engine()
     from v3dcad.files import written_beside
@@ -67,7 +68,6 @@ def view(
     with Progress() as progress:
         progress.start("reading and cutting the part")
         source = part_of(part, rotate, up, repair, as_brep) or part
-        chosen = given(FillSettings, settings)
         structure = fill(source, verify=verify, progress=progress.step, **chosen)
         for kind, file in files.items():
             progress.start(f"drawing {file}")
