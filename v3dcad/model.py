@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from v3dcad.settings import FillSettings
+from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -141,6 +142,12 @@ class Section(Value):
     """each (k, 2) mm; the material lies on the left of every ring"""
     runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
+
+    def svg(self) -> str:
+        """The section as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        return "".join(sections_svg([self]))
+
+    _repr_svg_ = svg
 
     def __repr__(self) -> str:
         points = sum(map(len, self.rings))
@@ -347,6 +354,14 @@ class Layer(Value):
     def z(self) -> float:
         """Height of the layer's section above the bed, mm."""
         return self.section.z
+
+    def svg(self) -> str:
+        """Walls and contours as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        ends, inner = self.diagram.vertices[self.diagram.edges], self.diagram.inner()
+        lines = {"walls": (WALL, ends[inner]), "contours": (CONTOUR, ends[~inner])}
+        return lines_svg(f"layer {self.index}, z {self.z:g} mm", lines)
+
+    _repr_svg_ = svg
 
 
 @dataclass(frozen=True, eq=False, slots=True)
