@@ -96,7 +96,7 @@ ROOMS = (
         "pipeline.py",
         (
             "pipeline", "exports", "forms", "ont", "parts", "recipes", "report", "slicing", "files",
-            "version", "warm_up", "watched", "__init__",
+            "version", "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),

@@ -29,6 +29,7 @@ MAY_IMPORT = {
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
     "forms": INSIDE | RIM | {"files"},
+    "views": INSIDE | {"files", "toolpath", "view"},
     "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE
@@ -43,6 +44,7 @@ MAY_IMPORT = {
         "structure",
         "toolpath",
         "version",
+        "views",
     },
     "watched": set(),
     "exports": INSIDE | {"pipeline"},

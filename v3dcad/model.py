@@ -317,6 +317,13 @@ class Layer(Value):
         """
         return self.state.spanning_tree(self.diagram.neighbours)
 
+    def slopes(self, pairs: Ints) -> Floats:
+        """(m,) how far the wall between two sites moves per height, for pairs (m, 2) of sites."""
+        i, j = pairs.T
+        state = self.state
+        apart = np.hypot(*(state.sites[i, :2] - state.sites[j, :2]).T)
+        return np.asarray(np.abs(state.growth[i] - state.growth[j]) / (2 * apart))
+
     @property
     def z(self) -> float:
         """Height of the layer's section above the bed, mm."""

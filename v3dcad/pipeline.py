@@ -52,6 +52,7 @@ from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
 from v3dcad.version import VERSION
+from v3dcad.views import Views
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
@@ -59,7 +60,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure(Forms):
+class Structure(Forms, Views):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.

@@ -596,6 +596,18 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>kesit</translation>
     </message>
     <message>
+      <source>sizes</source>
+      <translation>boyutlar</translation>
+    </message>
+    <message>
+      <source>overhang</source>
+      <translation>sarkma</translation>
+    </message>
+    <message>
+      <source>toolpath</source>
+      <translation>takım yolu</translation>
+    </message>
+    <message>
       <source>Show</source>
       <translation>Göster</translation>
     </message>
