@@ -7,60 +7,19 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from v3dcad.model import Floats, Layer, Mesh, Placement, Toolpath
+from v3dcad.model import Floats, Layer, Mesh, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.view.colours import COLOURS
+from v3dcad.view.colours import COLOURS, RAMP
 from v3dcad.view.page.document import document
 from v3dcad.view.page.motion import Motion, motion, motion_arrays
 from v3dcad.view.page.packing import pack
 from v3dcad.view.page.segments import UPRIGHT, Arrays, LayerArrays, layer_arrays
-from v3dcad.view.targets import Lines, preview
+from v3dcad.view.targets.declared import TARGETS
+from v3dcad.view.targets.shown import Lines
+from v3dcad.view.targets.whole import SHOWS
 
 MOST_SEGMENTS = 1_000_000
 """As many edges, and as many steps of a toolpath, a page holds; of more, layers are left out."""
-
-RAMP = ("#0072b2", "#808080", "#d55e00")
-
-TARGETS = {
-    "full": "the whole structure",
-    "overhang": "how much walls lean",
-    "layer": "one layer",
-    "sizes": "cell sizes on a layer",
-    "cell": "one cell on a layer",
-    "neighbours": "a cell and its neighbours",
-    "neighbour": "a cell and one neighbour",
-    "tree": "the spanning tree of a layer",
-    "cut": "a vertical cut",
-    "toolpath": "the toolpath",
-}
-"""What the page calls its targets."""
-
-LEGENDS = {
-    "full": ("wall", "contour"),
-    "overhang": ("contour",),
-    "layer": ("wall", "contour"),
-    "sizes": ("context",),
-    "cell": ("cell", "context"),
-    "neighbours": ("cell", "neighbour", "context"),
-    "neighbour": ("cell", "neighbour", "context"),
-    "tree": ("tree", "context"),
-    "cut": ("wall", "contour"),
-    "toolpath": ("bead", "perimeter", "travel", "seam"),
-}
-"""The roles that each target draws."""
-
-ROLES = {
-    "wall": "wall between two cells",
-    "contour": "contour of the part",
-    "cell": "the chosen cell",
-    "neighbour": "its neighbours",
-    "tree": "spanning tree",
-    "context": "the layer's other lines",
-    "bead": "bead",
-    "perimeter": "bead of a perimeter",
-    "travel": "travel",
-    "seam": "seam: where a perimeter begins",
-}
 
 
 def page(
@@ -73,14 +32,15 @@ def page(
     printing: PrintSettings | None = None,
     *,
     most: int = MOST_SEGMENTS,
-    live: bool = False,
+    live: int = 0,
 ) -> str:
     """A structure as one HTML file that needs nothing else, in bed coordinates.
 
     `mesh` is the part's surface, `facts` what is told of the structure, by name. The toolpath, one
     for each layer, was traced with the settings `printing`. Goes through the layers twice. Where
     they or their toolpaths have more than `most` segments, only every so many layers are shown,
-    evenly, and the page says so. `live` pages hear from their server when they were made anew.
+    evenly, and the page says so. `live` is the number of a page that is
+    served, and hears of later ones.
     """
     every, volumes = _told(layers, layer_height)
     motions = _motions(toolpaths, printing or PrintSettings())
@@ -97,16 +57,14 @@ def page(
         **(motion_arrays(motions[::step]) if motions else {}),
     }
     told = {
-        "facts": list(facts.items()),
+        "facts": [*facts.items(), ("cells", f"{np.count_nonzero(volumes)}")],
         "note": _thinned(step, len(every), max(edges, steps)),
         "bounds": bounds.tolist(),
         "rise": layer_height * step,
         "last": len(every) - 1,
         "steepest": _steepest(arrays),
-        "colours": {**{"perimeter": "#d55e00", "bead": "#0072b2", "travel": "#808080", "seam": "#d55e00"}, **COLOURS, "ramp": RAMP},
-        "roles": ROLES,
-        "targets": list(TARGETS.items()),
-        "legends": LEGENDS,
+        "colours": {**COLOURS, "ramp": RAMP},
+        "targets": [[name, target.shows] for name, target in TARGETS.items()],
     }
     return document(title, told, pack(arrays), live=live)
 
@@ -135,7 +93,7 @@ def _motions(toolpaths: Iterable[Toolpath], printing: PrintSettings) -> list[Mot
 
 def _cut(layers: Sequence[Layer]) -> Arrays:
     """The lines of the vertical cut as x, y, z of both ends, mm."""
-    shown = preview("cut", layers, Placement.none())
+    shown = SHOWS["cut"](layers)
 
     def ends(role: str) -> Floats:
         found: Floats = np.concatenate([_ends(one) for one in shown.lines if one.role == role])

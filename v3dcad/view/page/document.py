@@ -25,12 +25,13 @@ LIBRARY = {
 RELATIVE = re.compile(r"""(\bfrom\s*|\bimport\s*)(["'])\./""")
 
 
-def document(title: str, told: dict[str, Any], data: Packed, *, live: bool = False) -> str:
+def document(title: str, told: dict[str, Any], data: Packed, *, live: int = 0) -> str:
     """The HTML file. `told` is what the page says and how, as plain values for JSON.
 
     Modules lie in the file as they are, as `data:` addresses in an import map; where there is only
     one file there are no folders, so `./stage.js` becomes `stage.js`. The policy lets the page run
-    these and its own style, and reach nothing: `live` lets it hear of changes from where it came.
+    these and its own style, and reach nothing: `live`, the number
+    of a page that is served, lets it hear of later ones from where it came.
     """
     modules = {name: _source(path) for name, path in LIBRARY.items()}
     modules |= {name: _source(name) for name in _own_modules()}

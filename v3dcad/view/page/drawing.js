@@ -18,6 +18,27 @@ export function shownLayers({ target, layer }) {
   return [ONE_LAYER.has(target) ? layer : 0, layer];
 }
 
+const LEGENDS = {
+  full: ["wall", "contour"],
+  overhang: ["contour"],
+  layer: ["wall", "contour"],
+  sizes: ["context"],
+  cell: ["cell", "context"],
+  neighbours: ["cell", "neighbour", "context"],
+  neighbour: ["cell", "neighbour", "context"],
+  tree: ["tree", "context"],
+  cut: ["wall", "contour"],
+  toolpath: ["bead", "perimeter", "travel", "seam"],
+};
+
+// The roles that are drawn, each in the colour of the same name.
+export function roles({ target, cell, travels, seams }) {
+  if (IN_SPACE.has(target) && cell >= 0) return ["cell", "context"];
+  const left = new Set([...(travels ? [] : ["travel"]), ...(seams ? [] : ["seam"])]);
+  if (cell < 0) left.add("cell").add("neighbour");
+  return LEGENDS[target].filter((role) => !left.has(role));
+}
+
 export class Drawing {
   #cell = -1; // whose walls `solid` holds
 
@@ -25,7 +46,7 @@ export class Drawing {
     const { arrays, rise } = structure;
     this.stage = stage;
     this.structure = structure;
-    this.colours = told.colours;
+    this.colours = { ...told.colours };
     this.fills = new CellFills(structure);
     this.part = new Part(arrays.part_vertices, arrays.part_triangles);
     this.toolpath = arrays.path ? new Toolpath(arrays, rise, stage.radius / 15) : null;
@@ -50,6 +71,12 @@ export class Drawing {
     ];
     stage.scene.add(...strokes.map((one) => one.mesh), this.fills.mesh, this.part.object);
     if (this.toolpath) stage.scene.add(this.toolpath.nozzle);
+  }
+
+  // The colours of a theme; a seam must be seen on the perimeter that it is in.
+  dress({ skin, edge, mark }) {
+    this.part.paint(skin, edge);
+    this.colours.seam = mark;
   }
 
   update(values) {

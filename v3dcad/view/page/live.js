@@ -9,9 +9,9 @@ export function kept() {
   return text ? JSON.parse(text) : {};
 }
 
-// `shown()` gives what to keep; `tell` shows what went wrong while the page was made anew.
-export function follow(shown, tell) {
-  const changes = new EventSource("changes");
+// `number` is the page's; `shown()` gives what to keep; `tell` shows what went wrong while the page was made anew.
+export function follow(number, shown, tell) {
+  const changes = new EventSource(`changes?${number}`);
   changes.addEventListener("made", () => {
     sessionStorage.setItem(KEY, JSON.stringify(shown()));
     location.reload();

@@ -35,14 +35,15 @@ async function start() {
   );
 
   const colours = () => {
-    const { background, skin, edge } = dress(state.values.theme);
-    drawing.part.paint(skin, edge);
-    stage.background(background);
+    const found = dress(state.values.theme);
+    drawing.dress(found);
+    stage.background(found.background);
   };
   const moveLayer = (steps) =>
     state.set({ layer: Math.min(Math.max(state.values.layer + steps, 0), last) });
   const choose = (site) => {
     const cell = structure.arrays.volumes[site] > 0 ? site : -1;
+    tell(cell === site ? "" : `There is no cell ${site}: click one in the part.`);
     const second = state.values.target === "neighbour" && state.values.cell >= 0 && cell >= 0;
     state.set(second ? { neighbour: cell } : { cell, neighbour: -1 });
   };
@@ -54,9 +55,12 @@ async function start() {
     drawing.update(values);
     showCell(byId("card"), structure, values, choose);
   });
-  follow(colours);
+  follow(() => {
+    colours();
+    drawing.update(state.values);
+  });
   player(state, structure, toolpath);
-  panel({ state, structure, told, toolpath, play, choose });
+  panel({ state, structure, told, drawing, play, choose });
   const rows = bindings({ state, stage, moveLayer, play });
   listen(rows);
   byId("keys").replaceChildren(
@@ -66,7 +70,7 @@ async function start() {
     const found = pick(structure, stage.ray(x, y), shownLayers(state.values), isCut);
     state.set({ cell: found ? found.cell : -1, neighbour: -1 });
   });
-  if (told.live) live.follow(() => state.values, tell);
+  if (told.live) live.follow(told.live, () => state.values, tell);
   byId("app").dataset.ready = "yes";
   // For tests and for the curious: what is shown, and how it is drawn.
   globalThis.v3dcad = { state, stage, structure, toolpath, told };

@@ -6,17 +6,16 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from v3dcad.geometry.print_time import step_seconds
-from v3dcad.model import EXTRUDE, INNER_PERIMETER, PERIMETER, Bytes, Floats, Toolpath
+from v3dcad.model import EXTRUDE, INNER_PERIMETER, PERIMETER, RETRACED, Floats, Ints, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.view.page.segments import Arrays, fractions
 
-ROLES = ("start", "travel", "bead", "perimeter")
-"""What the way to a point is: none at all (a layer's toolpath starts there), a move without
-extrusion, a bead, a bead of a perimeter."""
-START, TRAVELLED, BEAD, PERIMETER_BEAD = range(len(ROLES))
+UNSEEN, TRAVELLED, BEAD, PERIMETER_BEAD, SEAM = range(5)
+"""What the way to a point is: nothing to be seen (a layer's toolpath starts there, or the way is
+passed again), a move without extrusion, a bead, a bead of a perimeter, one where a perimeter
+begins."""
 
 CHORD = np.radians(6)
 """The largest angle of an arc that is drawn as one straight line."""
@@ -30,23 +29,29 @@ class Motion(NamedTuple):
 
     points: Floats
     """(p, 3) mm; the first is where it comes from"""
-    roles: Bytes
-    """(p,) what the way to each point is, of `ROLES`"""
+    roles: Ints
+    """(p,) what the way to each point is: `UNSEEN`, `TRAVELLED`, …"""
     seconds: Floats
     """(p,) how long the way to each point takes"""
 
 
 def motion(toolpath: Toolpath, before: Floats, settings: PrintSettings) -> Motion:
     """A layer's toolpath that begins at `before` (3,), mm, its arcs as short straight lines."""
-    roles = np.where(toolpath.kind == EXTRUDE, BEAD, TRAVELLED)
-    perimeter = np.isin(toolpath.feature, (PERIMETER, INNER_PERIMETER))
-    roles[perimeter & (roles == BEAD)] = PERIMETER_BEAD
+    extruding = toolpath.kind == EXTRUDE
+    roles = np.where(extruding, BEAD, TRAVELLED)
+    roles[~extruding & (toolpath.feature == RETRACED)] = UNSEEN
+    roles[extruding & np.isin(toolpath.feature, (PERIMETER, INNER_PERIMETER))] = PERIMETER_BEAD
+    begins = np.diff(extruding.astype(int), prepend=0) > 0
+    roles[begins & (toolpath.feature == PERIMETER)] = SEAM
     start = np.vstack([before, toolpath.points[:-1]])[: len(toolpath.points)]
     points, step = _chords(start, toolpath.points, toolpath.centre)
     seconds = step_seconds(toolpath, before, settings) / np.bincount(step, minlength=len(roles))
+    shown = roles[step]
+    later = np.diff(step, prepend=-1) == 0  # chords of an arc after its first
+    shown[later & (shown == SEAM)] = PERIMETER_BEAD
     return Motion(
         np.vstack([before, points]),
-        np.array([START, *roles[step].tolist()], np.int8),
+        np.append(UNSEEN, shown),
         np.concatenate([[0.0], seconds[step]]),
     )
 
@@ -65,7 +70,7 @@ def motion_arrays(motions: Sequence[Motion]) -> Arrays:
     }
 
 
-def _chords(start: Floats, stop: Floats, centre: Floats) -> tuple[Floats, NDArray[np.int64]]:
+def _chords(start: Floats, stop: Floats, centre: Floats) -> tuple[Floats, Ints]:
     """The ends of the straight lines that steps are drawn as, and to which step each belongs.
 
     Steps go from start (p, 3) to stop (p, 3), on arcs about centre (p, 2) or straight where it is

@@ -1,5 +1,6 @@
 // The controls: each writes the state, and is set by it.
 
+import { roles } from "./drawing.js";
 import { element } from "./facts.js";
 import { sizes } from "./fills.js";
 import { THEMES } from "./theme.js";
@@ -20,17 +21,13 @@ function bind(state, name, property, type = String) {
   });
 }
 
-export function panel({ state, structure, told, toolpath, play, choose }) {
+export function panel({ state, structure, told, drawing, play, choose }) {
+  const { toolpath } = drawing;
   heading(told);
-  const hasPath = Boolean(toolpath);
-  for (const [value, text] of told.targets) {
-    if (value === "toolpath" && !hasPath) continue;
-    const option = element("option", text);
-    option.value = value;
-    byId("target").append(option);
-  }
+  const offered = told.targets.filter(([name]) => name !== "toolpath" || toolpath);
+  byId("target").replaceChildren(...offered.map(([name]) => element("option", name)));
   byId("layer").max = structure.layers - 1;
-  byId("time").max = hasPath ? Math.floor(toolpath.total) : 0;
+  byId("time").max = toolpath?.total ?? 0;
   for (const name of ["target", "form", "clip"]) bind(state, name, "value");
   for (const name of ["layer", "time", "at"]) bind(state, name, "value", Number);
   for (const name of ["part", "flip", "travels", "seams"]) bind(state, name, "checked", Boolean);
@@ -44,7 +41,10 @@ export function panel({ state, structure, told, toolpath, play, choose }) {
     const { value } = event.target;
     choose(value === "" ? -1 : Number(value));
   });
-  state.watch((values) => show(values, structure, told, toolpath));
+  state.watch((values) => {
+    show(values, structure, told, toolpath);
+    legend(values, structure, told, drawing.colours);
+  });
 }
 
 function heading(told) {
@@ -69,23 +69,21 @@ function show(values, structure, told, toolpath) {
   byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
   byId("theme").textContent = `Colours: ${theme === "system" ? "as the system" : theme}`;
   byId("cell").value = cell < 0 ? "" : cell;
+  byId("shows").textContent = told.targets.find(([name]) => name === target)[1];
   for (const [id, shown] of [
     ["form-row", target === "full"],
     ["time-row", moving],
     ["path-row", moving],
     ["clip-at", clip !== "off"],
   ]) byId(id).hidden = !shown;
-  legend(values, structure, told);
 }
 
-function legend({ target, layer, form, cell, travels, seams }, structure, told) {
-  const { colours, roles } = told;
-  const left = new Set([...(travels ? [] : ["travel"]), ...(seams ? [] : ["seam"])]);
-  if (cell < 0) left.add("cell").add("neighbour");
-  const chosen = target === "full" && cell >= 0 ? ["cell", "context"] : told.legends[target];
-  const entries = chosen
-    .filter((role) => !left.has(role))
-    .map((role) => [role === "wall" && form === "struts" ? "strut" : roles[role], colours[role]]);
+function legend(values, structure, told, colours) {
+  const strut = values.target === "full" && values.form === "struts";
+  const entries = roles(values).map((role) => [
+    role === "wall" && strut ? "strut" : role,
+    colours[role],
+  ]);
   byId("legend").replaceChildren(
     ...entries.map(([text, colour]) => {
       const item = element("li", text);
@@ -93,17 +91,17 @@ function legend({ target, layer, form, cell, travels, seams }, structure, told) 
       return item;
     }),
   );
-  const scale = scaleOf(target, layer, structure, told);
+  const scale = scaleOf(values, structure, told);
   byId("scale").hidden = !scale;
   if (!scale) return;
   byId("scale-name").textContent = scale.name;
-  byId("scale-bar").style.background = `linear-gradient(to right, ${colours.ramp.join(", ")})`;
+  byId("scale-bar").style.background = `linear-gradient(to right, ${told.colours.ramp.join(", ")})`;
   byId("scale-low").textContent = scale.low;
   byId("scale-high").textContent = scale.high;
 }
 
 // What the three colours of the ramp stand for, where a target has them.
-function scaleOf(target, layer, structure, told) {
+function scaleOf({ target, layer }, structure, told) {
   if (target === "overhang") {
     return { name: "Tilt from the vertical", low: "0°", high: `${told.steepest}°` };
   }

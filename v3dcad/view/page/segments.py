@@ -52,7 +52,7 @@ class LayerArrays(NamedTuple):
     """What is told of one layer."""
 
     z: float
-    index: int
+    number: int
     told: Arrays
     meeting: Ints
     """(m, 4) a vertex and the three sites whose cells meet there"""
@@ -89,7 +89,7 @@ def layer_arrays(layers: Sequence[LayerArrays], bounds: Floats) -> Arrays:
     ]
     found: Arrays = {
         "z": np.array([one.z for one in layers], np.float32),
-        "index": np.array([one.index for one in layers], np.uint32),
+        "index": np.array([one.number for one in layers], np.uint32),
     }
     for group, columns in GROUPS.items():
         for name, empty in columns.items():
@@ -106,20 +106,19 @@ def fractions(points: Floats, bounds: Floats) -> NDArray[np.uint16]:
     In a part of 100 mm they err by less than a thousandth of a millimetre.
     """
     low, high = bounds
-    share = (points - low) / np.maximum(high - low, np.finfo(float).tiny)
-    return np.rint(np.clip(share, 0, 1) * 65535).astype(np.uint16)
+    share: Floats = (points - low) / np.maximum(high - low, np.finfo(float).tiny)
+    return np.asarray(np.rint(np.clip(share, 0, 1) * 65535), np.uint16)
 
 
 def _leans(layer: Layer, sites: Ints) -> NDArray[np.uint8]:
-    """(m,) by how many degrees, plus `UPRIGHT`, walls lean from the site i towards j of (m, 2) i, j.
+    """(m,) by how many degrees, plus `UPRIGHT`, walls lean from site i towards j, of sites (m, 2).
 
-    Points of a wall have the same power to both: 2 v · (p_j − p_i) = b_i − b_j for the shift v a
-    height and the growth b.
+    As the layers rise, a wall moves away from the site whose weight grows more.
     """
-    state = layer.state
-    (x, y), growth = np.diff(state.sites[sites, :2], axis=1)[:, 0].T, state.growth[sites]
-    slopes = (growth[:, 0] - growth[:, 1]) / (2 * np.hypot(x, y))
-    return np.rint(np.degrees(np.arctan(slopes)) + UPRIGHT).astype(np.uint8)
+    growth = layer.state.growth[sites]
+    towards = np.sign(growth[:, 0] - growth[:, 1])
+    leans = towards * np.degrees(np.arctan(layer.slopes(sites)))
+    return np.asarray(np.rint(leans + UPRIGHT), np.uint8)
 
 
 def _meeting(diagram: Diagram) -> Ints:

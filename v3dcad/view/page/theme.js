@@ -14,5 +14,6 @@ export function dress(theme) {
   document.documentElement.dataset.theme = dark ? "dark" : "light";
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
-  return { background: colour("background"), skin: colour("skin"), edge: colour("edge") };
+  const names = ["background", "skin", "edge", "mark"];
+  return Object.fromEntries(names.map((name) => [name, colour(name)]));
 }

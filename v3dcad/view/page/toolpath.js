@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import { segments, Strokes } from "./strokes.js";
 
-const [START, TRAVEL, PERIMETER] = [0, 1, 3]; // of motion.py's ROLES
+const [UNSEEN, TRAVEL, PERIMETER, SEAM] = [0, 1, 3, 4]; // what motion.py calls a way
 const GREATEST = 65535; // what the far end of the box is, in fractions
 const TICKS = 1000; // in a second
 
@@ -16,11 +16,11 @@ export class Toolpath {
     this.rise = rise;
     this.seconds = summed(ticks);
     this.total = this.seconds.at(-1);
-    const ways = [...roles.keys()].filter((k) => roles[k] !== START);
+    const ways = [...roles.keys()].filter((k) => roles[k] !== UNSEEN);
     this.beads = ways.filter((k) => roles[k] > TRAVEL);
     this.travels = ways.filter((k) => roles[k] === TRAVEL && moves(this.points, k));
-    this.seams = this.beads.filter((k) => roles[k] === PERIMETER && roles[k - 1] !== PERIMETER);
-    const shares = Uint8Array.from(this.beads, (k) => (roles[k] === PERIMETER ? 255 : 0));
+    this.seams = ways.filter((k) => roles[k] === SEAM);
+    const shares = Uint8Array.from(this.beads, (k) => (roles[k] >= PERIMETER ? 255 : 0));
     const beads = segments(gathered(this.points, this.beads), { shares });
     const travels = segments(gathered(this.points, this.travels));
     const seams = segments(upright(this.points, this.seams, rise));
