@@ -28,6 +28,7 @@ from v3dcad.model import (
     Section,
     unheard,
 )
+from v3dcad.pages import Pages
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -59,12 +60,8 @@ if TYPE_CHECKING:
     from v3dcad.structure.foam.graded import Graded
 
 
-NOTEBOOK_SEGMENTS = 150_000
-"""The most that a page in a notebook holds: 2.5 MB, of which three.js is 1.1."""
-
-
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure(Forms, Views):
+class Structure(Forms, Views, Pages):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.
@@ -212,49 +209,6 @@ class Structure(Forms, Views):
 
         with written_beside(Path(path)) as beside:
             draw(self.layers, beside)
-
-    def page(
-        self, printing: PrintSettings | None = None, *, most: int | None = None, live: int = 0
-    ) -> str:
-        """The structure as one HTML file to look at in a browser, bed coordinates.
-
-        With print settings it shows the toolpath too. Where it has more than `most` segments (by
-        default as many as a browser draws fluently), only some layers are shown, and the page says
-        so. `live` is the page's number where a server tells it of later ones.
-        """
-        from v3dcad.toolpath.beads import trace
-        from v3dcad.view.page.content import MOST_SEGMENTS, page
-
-        size = self.part.bounds[1] - self.part.bounds[0]
-        height = self.settings.layer_height
-        facts = {
-            "size": " × ".join(f"{side:.6g}" for side in size) + " mm",
-            "layers": f"{len(self.layers)} of {height:g} mm",
-            "method": self.settings.method,
-        }
-        return page(
-            self.part.name,
-            self.layers,
-            height,
-            self.part.mesh(),
-            facts,
-            () if printing is None else trace(self.layers, printing),
-            printing,
-            most=MOST_SEGMENTS if most is None else most,
-            live=live,
-        )
-
-    def write_html(self, path: str | Path, printing: PrintSettings | None = None) -> None:
-        """Write `page()` as a file, with the toolpath of the print settings (or the usual ones)."""
-        with written_beside(Path(path)) as beside:
-            text = self.page(printing or PrintSettings())
-            beside.write_text(text, encoding="utf-8", newline="\n")
-
-    def _repr_html_(self) -> str:
-        """How a notebook shows it: the page in a frame, small enough to be kept in the notebook."""
-        from v3dcad.view.page.document import framed
-
-        return framed(self.page(most=NOTEBOOK_SEGMENTS))
 
     def findings(self) -> list[str]:
         """What the user should know of how the part was read."""
