@@ -17,13 +17,15 @@ MAY_IMPORT = {
     "errors": set(),
     "settings": {"errors"},
     "model": {"errors", "settings"},
+    "arguments": {"errors", "settings"},
     "files": {"errors"},
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
-    "fields": INSIDE | {"fields"},
+    "fields": INSIDE | {"fields", "formats"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
+    "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
@@ -35,6 +37,7 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {
+        "arguments",
         "fields",
         "files",
         "forms",
@@ -64,7 +67,7 @@ MAY_IMPORT = {
         "watched",
         "worker",
     },
-    "options": {"settings"},
+    "options": {"errors", "settings"},
     "commands": INSIDE
     | {
         "commands",
@@ -84,15 +87,17 @@ MAY_IMPORT = {
         "watched",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
-    "cli": {"commands", "errors"},
+    "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
+    "__init__": INSIDE
+    | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
     "graphs": set(),
+    "loops": {"compiled", "power_diagram"},
     "section_area": set(),
     "print_time": {"arcs", "compiled"},
     "power_diagram": {"compiled"},

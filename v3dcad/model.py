@@ -68,6 +68,9 @@ class Mesh(Value):
     triangles: Ints
     """(t, 3) vertex ids"""
 
+    def __repr__(self) -> str:
+        return f"<Mesh of {len(self.triangles)} triangles>"
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Placement(Value):
@@ -138,6 +141,16 @@ class Section(Value):
     """each (k, 2) mm; the material lies on the left of every ring"""
     runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
+
+    def __repr__(self) -> str:
+        points = sum(map(len, self.rings))
+        return f"<Section at z {self.z:g} mm: {len(self.rings)} rings, {points} points>"
+
+
+def part_words(part: Part) -> str:
+    """A part in a few words: its name and size."""
+    size = " × ".join(f"{length:.6g}" for length in np.ptp(part.bounds, axis=0))
+    return f"{part.name!r}, {size} mm"
 
 
 class Part(Protocol):
@@ -236,6 +249,9 @@ class Diagram(Value):
     neighbours: Ints
     """(m, 2) site ids, i < j: pairs that share an edge inside the section"""
 
+    def __repr__(self) -> str:
+        return f"<Diagram of {len(self.sites())} cells: {len(self.edges)} edges>"
+
     def inner(self) -> NDArray[np.bool_]:
         """(e,) which edges separate two cells (the others lie on the section's boundary)."""
         return np.asarray(self.edge_sites[:, 0] != OUTSIDE)
@@ -309,6 +325,9 @@ class Layer(Value):
     area_per_cell: float
     """section area ÷ number of cells, mm²"""
 
+    def __repr__(self) -> str:
+        return f"<Layer {self.index} at z {self.z:g} mm: {len(self.diagram.sites())} cells>"
+
     @property
     def tree(self) -> Ints:
         """(m, 2) site ids, i < j: the minimum spanning tree of the neighbours by their distance.
@@ -350,6 +369,9 @@ class Toolpath(Value):
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 
+    def __repr__(self) -> str:
+        return f"<Toolpath of {len(self.points)} points>"
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Brep(Value):
@@ -359,6 +381,9 @@ class Brep(Value):
     """OCCT's BinTools format, without triangles"""
     bounds: Floats
     """(2, 3) least and greatest coordinates, mm"""
+
+    def __repr__(self) -> str:
+        return f"<Brep of {len(self.data)} bytes>"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -410,3 +435,7 @@ class Recipe(Value):
     """of the structure; None where a file has none, as the thesis's"""
     software: str = ""
     """what wrote it; empty for the thesis's form"""
+
+    def __repr__(self) -> str:
+        layers = f", {self.checksum.layers} layers" if self.checksum else ""
+        return f"<Recipe of {self.name!r}: {self.settings.method}{layers}>"

@@ -13,7 +13,7 @@ import numpy as np
 
 from v3dcad.errors import FormatError, GeometryError, SettingError
 from v3dcad.formats.mesh.stl import normals, read_stl
-from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section
+from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section, part_words
 
 STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
 STL, THREEMF, OBJ = (".stl",), (".3mf",), (".obj",)
@@ -33,6 +33,9 @@ class MeshPart:
     """how it came to where it is from where its source lies"""
     overlap: float = 0.0
     """mm³, by how much what the surface winds around, as often as it does, exceeds the part"""
+
+    def __repr__(self) -> str:
+        return f"<MeshPart {part_words(self)}: {len(self.surface.triangles)} triangles>"
 
     @property
     def bounds(self) -> Floats:
@@ -155,7 +158,7 @@ def _mesh_part(
     try:
         closed, mended = checked_mesh(mesh, repair=repair)
     except GeometryError as error:
-        raise GeometryError(f"{where}: {error}") from error
+        raise GeometryError(f"{where}: {error.message}") from error
     overlap = overlap_volume(closed)
     if overlap:
         mended.append(

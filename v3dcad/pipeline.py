@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from v3dcad.arguments import takes_settings
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -26,6 +27,7 @@ from v3dcad.model import (
     Progress,
     Recipe,
     Section,
+    part_words,
     unheard,
 )
 from v3dcad.pages import Pages
@@ -79,6 +81,10 @@ class Structure(Forms, Views, Pages):
     graded: Graded | None = None
     """how such cells differ from what was asked"""
 
+    def __repr__(self) -> str:
+        what = f"{len(self.layers)} layers, {self.settings.method}"
+        return f"<Structure of {part_words(self.part)}: {what}>"
+
     @property
     def settings(self) -> FillSettings:
         """What it was filled with; "auto" is the number it stood for."""
@@ -126,7 +132,8 @@ class Structure(Forms, Views, Pages):
 
         `density` is in g/cm³ (PLA's is 1.24).
         """
-        return properties(self.layers, self.settings.layer_height, wall_width, density)
+        height, base = self.settings.layer_span()
+        return properties(self.layers, height, wall_width, density, base=base)
 
     def facets(self, beyond: float = 0.0) -> Facets:
         """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
@@ -272,9 +279,12 @@ class SectionedPart:
 def sectioned(
     part: Part, settings: FillSettings, executor: Executor | None = None
 ) -> SectionedPart:
-    """The first half of `build`: goes by `SectionSettings` and `FillSettings.lofts` only."""
+    """The first half of `build`: goes by `SectionSettings`, `FillSettings.section_above` and
+    `FillSettings.lofts` only.
+    """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
-    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    top, above = float(part.bounds[1, 2]), settings.section_above()
+    heights = layer_heights(top, settings.layer_height, above)
     planes = np.unique(heights[[0, -1]]) if settings.lofts else heights
     return SectionedPart(part, heights, part.sections(planes, settings.chord_tolerance, executor))
 
@@ -319,6 +329,7 @@ def _any_inside(sites: Floats, rectangle: Floats) -> bool:
     return bool(inside.all(axis=1).any())
 
 
+@takes_settings(FillSettings)
 def fill(
     source: Any,
     *,
@@ -374,7 +385,7 @@ def build_recipe(
             raise FormatError(
                 f"the structure that it makes is not the one that was written: "
                 f"{', '.join(differences)}. Written by {recipe.software}, this is v3dcad "
-                f"{VERSION}; --no-verify (verify=False) takes it as it is",
+                f"{VERSION}; --no-verify takes it as it is",
                 path=f"{recipe.name}.ont", section="CHECKSUM",
             )  # fmt: skip
     return structure

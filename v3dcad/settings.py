@@ -155,6 +155,13 @@ class FillSettings(SectionSettings):
         words=("auto", "columns"),
         method="foam",
     )
+    heights: str = setting(
+        "middle",
+        "Where a layer's section is taken: in the middle of the bead that fills it, or at its "
+        "bottom, as the thesis does.",
+        choices=("middle", "bottom"),
+        method="foam",
+    )
     strict: bool = setting(
         False,
         "Refuse a cell size that changes more steeply than cells can follow, instead of making "
@@ -216,6 +223,15 @@ class FillSettings(SectionSettings):
         for name, field in FillSettings.__dataclass_fields__.items():
             if getattr(self, name) != field.default:
                 self.refuse_other(name, self.method)
+
+    def section_above(self) -> float:
+        """How far above a layer's base its section is taken, mm."""
+        middle = self.method == "foam" and self.heights == "middle"
+        return self.layer_height / 2 if middle else 0.0
+
+    def layer_span(self) -> tuple[float, float]:
+        """How high a layer is, and where it begins: so far over its section (below it), mm."""
+        return self.layer_height, -self.section_above()
 
     @property
     def lofts(self) -> bool:
@@ -325,8 +341,14 @@ class PrintSettings(Checked):
     skirt_distance: float = setting(
         3.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
     )
-    brim_width: float = setting(
-        0.0, "Width of the brim around the first layer.", unit="mm", least=0, most=1000
+    brim_width: float | str = setting(
+        "auto",
+        "Width of the brim around the first layer; auto takes 5 where the part touches the bed "
+        "with less than 100 mm², or less than 10 mm wide.",
+        unit="mm",
+        least=0,
+        most=1000,
+        words=("auto",),
     )
 
     prime_line: float = setting(

@@ -12,7 +12,7 @@ import numpy as np
 
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Floats, Part, Placement, Section
+from v3dcad.model import Floats, Part, Placement, Section, part_words
 from v3dcad.parts import part_from
 from v3dcad.settings import SectionSettings
 from v3dcad.structure.placement import layer_heights, on_bed, turned, upward
@@ -63,6 +63,9 @@ class Sections(Sequence[Section]):
     """(k,) mm, ascending"""
     chord_tolerance: float
     executor: Executor | None = None
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} sections of {part_words(self.part)}>"
 
     def __len__(self) -> int:
         return len(self.heights)

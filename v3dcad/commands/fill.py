@@ -73,14 +73,14 @@ def fill(
     named = {"ont": ont, "gcode": gcode, "step": step, "png": png, "report": report}
     named |= {"stl": stl, "threemf": threemf, "brep": brep, "svg": svg}
     files = _files(part, out, named)
+    exporting = ExportSettings(**given(ExportSettings, settings))
+    chosen = given(FillSettings, settings)
+    printing = _print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import export
     from v3dcad.parts import check_readable
     from v3dcad.pipeline import fill as fill_part
 
-    printing = _print_settings(profile, settings)
-    exporting = ExportSettings(**given(ExportSettings, settings))
-    chosen = given(FillSettings, settings)
     if sites_file is not None:
         from v3dcad.formats.sites_csv import read_sites
 

@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from v3dcad.errors import SettingError
+from v3dcad.errors import FormatError, SettingError
 from v3dcad.fields.distance import distance_to
 from v3dcad.fields.expression import Source, field_of
 from v3dcad.fields.image import image_field
 from v3dcad.fields.scattered import interpolated
 from v3dcad.fields.stress import read_stress
 from v3dcad.fields.table import read_table
-from v3dcad.model import Floats, Part
+from v3dcad.formats.mesh.stl import read_stl
+from v3dcad.model import Floats, Mesh, Part
 from v3dcad.settings import Field
 
 BEYOND = 0.5
@@ -41,8 +42,8 @@ def size_field(cell_size: str | Field, part: Part) -> Callable[[Floats], Floats]
 def sources_of(part: Part) -> Mapping[str, Source]:
     """The fields that an expression can call, in the coordinates of the part.
 
-    surface() and faces(n, …): the distance from the part's surface, or from faces by their
-    numbers, mm. table(file, column): values at points. image(file, …, view): grey, from 0 to 1.
+    surface(), faces(n, …) and distance(file): the distance from the part's surface, from faces by
+    their numbers, or from the triangles of an STL file, mm. table(file, column): values at points. image(file, …, view): grey, from 0 to 1.
     stress(file): von Mises stress.
     """
 
@@ -53,6 +54,9 @@ def sources_of(part: Part) -> Mapping[str, Source]:
         if not numbers or not all(type(number) is int for number in numbers):
             raise SettingError("cell_size", "faces: give numbers of faces, from 0")
         return distance_to(part.face_mesh(tuple(numbers)))
+
+    def distance(file: Any) -> Field:
+        return distance_to(_triangles_in(_path("distance", file)))
 
     def table(file: Any, column: Any = None) -> Field:
         if not isinstance(column, str | None):
@@ -72,7 +76,8 @@ def sources_of(part: Part) -> Mapping[str, Source]:
         return interpolated(points, values)
 
     return {
-        "surface": surface, "faces": faces, "table": table, "image": image, "stress": stress
+        "surface": surface, "faces": faces, "distance": distance,
+        "table": table, "image": image, "stress": stress,
     }  # fmt: skip
 
 
@@ -107,6 +112,15 @@ def _path(name: str, file: Any) -> Path:
     if not isinstance(file, str) or "\0" in file:
         raise SettingError("cell_size", f"{name}: give a file, in quotes")
     return Path(file)
+
+
+def _triangles_in(path: Path) -> Mesh:
+    if path.suffix.lower() != ".stl":
+        raise FormatError("not triangles that can be read; give .stl", path=str(path))
+    try:
+        return read_stl(path)
+    except OSError as error:
+        raise FormatError(f"cannot be read ({error.strerror})", path=str(path)) from error
 
 
 def _refuse_elsewhere(name: str, points: Floats, bounds: Floats) -> None:

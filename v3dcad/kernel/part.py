@@ -40,7 +40,7 @@ from v3dcad.kernel.shapes import (
     volume,
 )
 from v3dcad.kernel.union import one_body, overlaps, solids_meet
-from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
+from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section, part_words
 
 MESH_SAG = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -73,6 +73,9 @@ class SolidPart:
     """how it came to where it is from where its source lies"""
     overlap: float = 0.0
     """mm³, by how much the sum of the solids' volumes exceeds that of their union"""
+
+    def __repr__(self) -> str:
+        return f"<SolidPart {part_words(self)}>"
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -150,7 +153,7 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     try:
         box = true_bounds(solid)
     except KernelError as error:
-        raise KernelError(f"{where}: {error}") from error
+        raise KernelError(f"{where}: {error.message}") from error
     return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 

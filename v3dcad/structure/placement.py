@@ -57,13 +57,16 @@ def upward(direction: Floats) -> Placement:
     return Placement(np.eye(3) + tilt + tilt @ tilt / (1 + z), np.zeros(3))
 
 
-def layer_heights(top: float, layer_height: float) -> Floats:
-    """The heights 0, h, 2h, … below `top`, mm; `SettingError` where h is above the part."""
+def layer_heights(top: float, layer_height: float, above: float = 0.0) -> Floats:
+    """The heights a, a + h, a + 2h, … below `top`, mm, for sections `above` their layer's base.
+
+    Raises `SettingError` where h is above the part.
+    """
     if layer_height > top + TOP:
         raise SettingError(
             "layer_height",
             f"--layer-height {layer_height:g}: the part is only {top:g} mm high; "
             "give a smaller layer height",
         )
-    count = int(np.ceil((top - TOP) / layer_height))
-    return np.arange(float(max(count, 1))) * layer_height
+    count = int(np.ceil((top - above - TOP) / layer_height))
+    return np.arange(float(max(count, 1))) * layer_height + above

@@ -7,9 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.section_area import section_area
+from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.model import (
     EXTRUDE,
     FEATURES,
@@ -27,7 +28,7 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.cooling import cooled
-from v3dcad.toolpath.joining import Bridged
+from v3dcad.toolpath.first_layer import printed_areas
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.stroke import Stroke
@@ -44,19 +45,20 @@ def trace(
 ) -> Iterator[Toolpath]:
     """One toolpath a layer: every cell edge and perimeter extruded once.
 
-    A layer is printed at its section's height plus the first layer's height, in the layers'
-    own coordinates; its beads fill the height to the layer below. `report` is told of each
-    layer as soon as it is traced. Layers are held only as long as it takes to know whether
-    they are among the top ones. Raises `GeometryError` where layers do not ascend.
+    The first layer with something to print lies on the bed, as high as the first layer's beads;
+    the others as far above it as their sections are, each filling the height to the one below.
+    Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
+    Layers are held only as long as it takes to know whether they are among the top ones. Raises
+    `GeometryError` where layers do not ascend.
     """
     nozzle, bridged = Nozzle(settings), Bridged()
-    for layer, solid in _solid_marked(layers, settings):
-        area = section_area(layer.section)
+    for (layer, area, printed), solid in _solid_marked(printed_areas(layers, settings), settings):
         first = nozzle.level == 0
-        nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
+        if printed:
+            nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         plan = Plan(layer, area, settings, solid, first, nozzle.spacing, bridged)
         before, strokes = nozzle.position, 0
-        for stroke in plan.strokes(before[:2]):
+        for stroke in plan.strokes(before[:2]) if printed else ():
             nozzle.print(stroke)
             strokes += 1
         toolpath = nozzle.taken(layer.index)
@@ -64,7 +66,8 @@ def trace(
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         if report is not None:
-            report(layer_report(toolpath, before, strokes, plan, seconds))
+            level = nozzle.level if printed else 0.0
+            report(layer_report(toolpath, before, strokes, plan, seconds, level))
         yield toolpath
 
 
@@ -98,6 +101,7 @@ class Nozzle:
         self.settings = settings
         self.position = np.zeros(3)
         self.level = 0.0
+        self._above = 0.0
         self._area = 0.0
         self.spacing = 0.0
         self._speed = np.zeros(0)
@@ -108,7 +112,9 @@ class Nozzle:
     def rise(self, layer: Layer, traveller: Traveller) -> None:
         """Go on to a layer: its level, its ways, the area of its beads and their speed."""
         settings, below = self.settings, self.level
-        self.level = layer.z + settings.first_layer_height
+        if below == 0:
+            self._above = settings.first_layer_height - layer.z
+        self.level = layer.z + self._above
         if self.level <= below:
             raise GeometryError(
                 f"its section at {layer.z:g} mm is not above the one below; "
@@ -198,11 +204,18 @@ def _moves(points: Sequence[tuple[float, ...]], kind: int, speed: float) -> Step
     )
 
 
-def _solid_marked(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[tuple[Layer, bool]]:
+Printed = tuple[Layer, shapely.Geometry, bool]
+
+
+def _solid_marked(
+    layers: Iterable[Printed], settings: PrintSettings
+) -> Iterator[tuple[Printed, bool]]:
     """Each layer, and whether it is one of the solid ones at the bottom or top."""
-    waiting: deque[tuple[int, Layer]] = deque()
-    for number, layer in enumerate(layers):
+    waiting: deque[tuple[int, Printed]] = deque()
+    number = 0
+    for layer in layers:
         waiting.append((number, layer))
+        number += layer[2]
         if len(waiting) > settings.top_layers:
             place, ready = waiting.popleft()
             yield ready, place < settings.bottom_layers

@@ -9,10 +9,11 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry import arcs
+from v3dcad.geometry.loops.joining import Bridged, joined
+from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
-from v3dcad.toolpath.cell_loops import Loops, cell_loops
+from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.graph import PathGraph
-from v3dcad.toolpath.joining import Bridged, joined
 from v3dcad.toolpath.perimeters import inset, rings
 from v3dcad.toolpath.stroke import Stroke
 
@@ -47,14 +48,16 @@ def joined_strokes(
     so that seams lie above each other; from there the nozzle steps into the nearest curve.
     """
     within = inset(area, depths[-1] + spacing / 2)
-    lines, owners = cell_loops(layer, within, spacing)
+    lines: list[Floats] = []
+    owners: list[int] = []
     for number, depth in enumerate(depths[1:], 1):
         # Neighbours face each other in opposite directions; cells' loops run counter-clockwise.
         against = (len(depths) - number) % 2 == 1
         for ring in rings(inset(area, depth)):
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
-    curves = joined(Loops.of(lines, owners, shortest), spacing, bridged, shortest)
+    loops = cell_loops(layer, within, spacing).and_these(Loops.of(lines, owners))
+    curves = joined(loops.thinned(shortest), spacing, bridged, shortest)
     left = [
         Closed(
             curves.points[start:stop],

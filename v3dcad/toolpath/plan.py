@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
+from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.model import (
     BRIM,
     PERIMETER,
@@ -19,6 +20,7 @@ from v3dcad.model import (
     Layer,
 )
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.first_layer import brim_width
 from v3dcad.toolpath.graph import (
     PathGraph,
     diagram_graph,
@@ -27,8 +29,7 @@ from v3dcad.toolpath.graph import (
     with_short_edges_joined,
 )
 from v3dcad.toolpath.joined_route import joined_strokes
-from v3dcad.toolpath.joining import Bridged
-from v3dcad.toolpath.perimeters import inset, loops, with_arcs
+from v3dcad.toolpath.perimeters import inset, loops, outermost_depth, with_arcs
 from v3dcad.toolpath.route import Walk, minimum_join, walks
 from v3dcad.toolpath.solid import hatch
 from v3dcad.toolpath.stroke import Stroke
@@ -106,7 +107,7 @@ class Plan:
             [shapely.Polygon(part.exterior) for part in shapely.get_parts(self.area)]
         )
         edge = 0.0 if settings.contour == "inset" else width / 2
-        brim = math.ceil(settings.brim_width / width)
+        brim = math.ceil(brim_width(self.area, settings) / width)
         skirt = edge + brim * width + settings.skirt_distance
         for number in reversed(range(settings.skirt_loops)):
             yield from self._outside(outline, skirt + (number + 0.5) * width, SKIRT)
@@ -146,8 +147,7 @@ class Plan:
 
 def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
-    outermost = settings.bead_width / 2 if settings.contour == "inset" else 0.0
-    return [outermost + number * spacing for number in range(settings.perimeters)]
+    return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
 
 
 def narrow_area(area: shapely.Geometry, depth: float) -> float:

@@ -248,7 +248,7 @@ def test_placeholders_are_filled_in() -> None:
 def test_unknown_placeholder_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = wide(end_gcode="M104 S{temperature}")
-    with pytest.raises(SettingError, match=r"--end-gcode: \{temperature\} is not a known"):
+    with pytest.raises(SettingError, match=r"end_gcode: \{temperature\} is not a known"):
         write_gcode(stream, trace(stack(1), options), options)
     assert stream.getvalue() == ""
 
@@ -260,7 +260,7 @@ def test_same_bytes_every_time() -> None:
 def test_bed_too_small_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = wide(bed="220x18")
-    with pytest.raises(SettingError, match=r"--bed 220x18: layer 0 goes to y = .* beyond its edge"):
+    with pytest.raises(SettingError, match=r"bed 220x18: layer 0 goes to y = .* beyond its edge"):
         write_gcode(stream, trace(stack(2), options), options)
     assert stream.getvalue() == ""
 
@@ -268,7 +268,7 @@ def test_bed_too_small_before_a_byte_is_written() -> None:
 def test_too_high_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = wide(build_height=0.3)
-    with pytest.raises(SettingError, match=r"--build-height 0\.3: layer 1"):
+    with pytest.raises(SettingError, match=r"build_height 0\.3: layer 1"):
         write_gcode(stream, trace(stack(2), options), options)
     assert stream.getvalue() == ""
 
@@ -342,7 +342,7 @@ def test_speeds_of_zero_are_refused(name: str) -> None:
 
 
 def test_choices_are_checked() -> None:
-    with pytest.raises(SettingError, match="--route spiral: give joined or least-retrace or"):
+    with pytest.raises(SettingError, match="route spiral: give joined or least-retrace or"):
         PrintSettings(route="spiral")
 
 

@@ -680,6 +680,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Uzatma</translation>
     </message>
     <message>
+      <source>Heights</source>
+      <translation>Kesit yükseklikleri</translation>
+    </message>
+    <message>
       <source>Strict</source>
       <translation>Katı</translation>
     </message>
