@@ -242,6 +242,18 @@ def test_triangles_need_no_kernel_and_the_default_route_no_matching(
     assert not loaded & {"OCP", "pymatching", "networkx"}
 
 
+def test_without_the_kernel_step_is_refused_with_the_line_that_brings_it(samples: Path) -> None:
+    code = (
+        "import sys; sys.modules['OCP'] = None\n"
+        "from v3dcad.cli import main\n"
+        f"sys.argv = ['v3dcad', 'info', {str(samples / 'bracket.step')!r}]; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8")
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "run `pip install 'v3dcad[occt]'`" in done.stderr
+
+
 def test_every_public_name_is_there() -> None:
     import v3dcad
 
