@@ -12,24 +12,26 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "v3dcad"
 
 RIM = {"kernel", "formats", "printer", "view"}
-INSIDE = {"geometry", "model", "settings", "errors"}
+INSIDE = {"geometry", "model", "settings", "arguments", "errors"}
 MAY_IMPORT = {
     "errors": set(),
     "settings": {"errors"},
     "model": {"errors", "settings"},
+    "arguments": {"errors", "model"},
     "files": {"errors"},
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
     "fields": INSIDE | {"fields"},
     **{folder: INSIDE | {folder} for folder in RIM},
-    "parts": INSIDE | {"formats", "kernel"},
+    "sources": INSIDE,
+    "parts": INSIDE | {"formats", "kernel", "sources"},
     "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
-    "forms": INSIDE | RIM | {"files"},
-    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline"},
+    "forms": INSIDE | RIM | {"files", "sources"},
+    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline", "sources"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE
     | RIM
