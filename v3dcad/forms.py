@@ -236,13 +236,11 @@ class Forms(Protocol):
 
         Raises `SettingError` for a layer that is not there.
         """
-        from v3dcad.formats.svg import layer_svg
-
         count = len(self.layers)
         if not -count <= layer < count:
             raise SettingError("svg_layer", f"--svg-layer {layer}: the layers are 0 to {count - 1}")
         with written_beside(Path(path)) as beside:
-            beside.write_text(layer_svg(self.layers[layer]), encoding="utf-8", newline="\n")
+            beside.write_text(self.layers[layer].svg(), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
         """A form as named shapes."""

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from v3dcad.settings import FillSettings
+from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -26,8 +27,10 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-FEATURES = 8
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER = range(FEATURES)
+FEATURES = 9
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER, BRIDGE = range(
+    FEATURES
+)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 Progress = Callable[[str, int, int], object]
@@ -141,6 +144,12 @@ class Section(Value):
     """each (k, 2) mm; the material lies on the left of every ring"""
     runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
+
+    def svg(self) -> str:
+        """The section as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        return "".join(sections_svg([self]))
+
+    _repr_svg_ = svg
 
     def __repr__(self) -> str:
         points = sum(map(len, self.rings))
@@ -348,6 +357,14 @@ class Layer(Value):
         """Height of the layer's section above the bed, mm."""
         return self.section.z
 
+    def svg(self) -> str:
+        """Walls and contours as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        ends, inner = self.diagram.vertices[self.diagram.edges], self.diagram.inner()
+        lines = {"walls": (WALL, ends[inner]), "contours": (CONTOUR, ends[~inner])}
+        return lines_svg(f"layer {self.index}, z {self.z:g} mm", lines)
+
+    _repr_svg_ = svg
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Toolpath(Value):
@@ -364,8 +381,8 @@ class Toolpath(Value):
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
-    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a
-    way already extruded, NO_FEATURE elsewhere"""
+    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE, BRIM or SKIRT where it extrudes,
+    RETRACED on a way already extruded, NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 

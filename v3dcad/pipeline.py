@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Sequence
 from concurrent.futures import Executor
@@ -200,22 +199,8 @@ class Structure(Forms, Views, Pages):
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,
         ):
-            totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
+            totals = write_gcode(stream, toolpaths, settings, self.thumbnail())
         return Print(totals, reports, findings(reports))
-
-    def _thumbnail(self) -> bytes:
-        from v3dcad.view.picture import draw
-
-        picture = io.BytesIO()
-        draw(self.layers, picture, shown=40, pixels=220)
-        return picture.getvalue()
-
-    def write_png(self, path: str | Path) -> None:
-        """Draw the layers in perspective."""
-        from v3dcad.view.picture import draw
-
-        with written_beside(Path(path)) as beside:
-            draw(self.layers, beside)
 
     def findings(self) -> list[str]:
         """What the user should know of how the part was read."""

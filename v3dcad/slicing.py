@@ -135,7 +135,7 @@ def write_sections_step(sections: Sequence[Section], path: str | Path, part: Par
 
 def write_sections_svg(sections: Sequence[Section], path: str | Path) -> None:
     """Write sections as SVG, one group each."""
-    from v3dcad.formats.svg import sections_svg
+    from v3dcad.svg import sections_svg
 
     with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
         stream.writelines(sections_svg(sections))
