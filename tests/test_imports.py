@@ -232,14 +232,28 @@ for words in (["--help"], ["fill", "--help"], ["slice", "--help"]):
     assert not loaded_by(code) & (HEAVY | {"numpy"})
 
 
-def test_stl_needs_no_kernel(samples: Path, tmp_path: Path) -> None:
+def test_triangles_need_no_kernel_and_the_default_route_no_matching(
+    samples: Path, tmp_path: Path
+) -> None:
     loaded = loaded_by(
         "import v3dcad\n"
         f"structure = v3dcad.fill({str(samples / 'pyramid.stl')!r}, layer_height=5)\n"
         f"structure.write_ont({str(tmp_path / 'a.ont')!r})\n"
         f"structure.write_gcode({str(tmp_path / 'a.gcode')!r})"
     )
-    assert "OCP" not in loaded
+    assert not loaded & {"OCP", "pymatching", "networkx"}
+
+
+def test_without_the_kernel_step_is_refused_with_the_line_that_brings_it(samples: Path) -> None:
+    code = (
+        "import sys; sys.modules['OCP'] = None\n"
+        "from v3dcad.cli import main\n"
+        f"sys.argv = ['v3dcad', 'info', {str(samples / 'bracket.step')!r}]; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8")
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "run `pip install 'v3dcad[occt]'`" in done.stderr
 
 
 def test_every_public_name_is_there() -> None:

@@ -72,24 +72,28 @@ def fill(
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
     printing = print_settings(profile, settings)
-    load_engine()
-    from v3dcad.exports import export
-    from v3dcad.parts import check_readable
-    from v3dcad.pipeline import fill as fill_part
+    # Loading, filling, the certificate (with the report), and each other file.
+    steps = 3 + len(files.keys() - {"report"})
+    with Progress(f"filling {part.name}", steps) as progress:
+        progress.start("loading the engine")
+        load_engine()
+        from v3dcad.exports import export
+        from v3dcad.parts import check_readable
+        from v3dcad.pipeline import fill as fill_part
 
-    if sites_file is not None:
-        from v3dcad.formats.sites_csv import read_sites
+        if sites_file is not None:
+            from v3dcad.formats.sites_csv import read_sites
 
-        check_readable(sites_file)
-        chosen["sites"] = read_sites(sites_file)
-    with Progress() as progress:
+            check_readable(sites_file)
+            chosen["sites"] = read_sites(sites_file)
         progress.start("reading and cutting the part")
         source = part_of(part, rotate, up, repair, as_brep) or part
         structure = fill_part(source, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
-            progress.start(f"writing {file}")
+            if kind != "report":
+                progress.start(f"writing {file}")
             if kind == "gcode":
                 printed = watched.write_gcode(file, printing)
             elif kind != "report":

@@ -40,7 +40,7 @@ def slice_part(
         if file.resolve() == part.resolve():
             message = f"{file}: would overwrite the part itself; name another place"
             raise SettingError("step" if file == step else "svg", message)
-    with Progress() as progress:
+    with Progress(f"cutting {part.name}", 2 + len(files)) as progress:
         progress.start("reading the part")
         found = part_of(part, rotate, up, repair, as_brep)
         if found is None:

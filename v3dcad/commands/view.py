@@ -65,7 +65,7 @@ def view(
     from v3dcad.files import written_beside
     from v3dcad.pipeline import fill
 
-    with Progress() as progress:
+    with Progress(steps=1 + len(files)) as progress:
         progress.start("reading and cutting the part")
         source = part_of(part, rotate, up, repair, as_brep) or part
         structure = fill(source, verify=verify, progress=progress.step, **chosen)
