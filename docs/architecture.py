@@ -96,7 +96,8 @@ ROOMS = (
         "pipeline.py",
         (
             "pipeline", "arguments", "exports", "forms", "nearness", "ont", "pages", "parts",
-            "recipes", "report", "slicing", "files", "version", "views", "warm_up", "watched", "__init__",
+            "recipes", "report", "signatures", "slicing", "sources", "svg", "files", "version",
+            "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),

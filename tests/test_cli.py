@@ -153,7 +153,7 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--print-speed", 0], "--print-speed"),
         (["--chord-tolerance", 0], "--chord-tolerance 0.0: give a number above 0 mm"),
         (["--base-clearance", -1], "--base-clearance -1"),
-        (["--rotate", "1,2"], "--rotate: give three angles"),
+        (["--rotate", "1,2"], "--rotate 1,2: give three angles"),
         (["--rotate", "1,2,x"], "such as 90,0,0"),
         (["--up", "w"], "--up w: give x, y, z or the number of a face"),
         (["--up", 9], "the part's faces are 0 to 2"),

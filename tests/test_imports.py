@@ -12,40 +12,42 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "v3dcad"
 
 RIM = {"kernel", "formats", "printer", "view"}
-INSIDE = {"geometry", "model", "settings", "errors"}
+INSIDE = {"geometry", "model", "settings", "arguments", "errors"}
 MAY_IMPORT = {
     "errors": set(),
     "settings": {"errors"},
     "svg": set(),
     "model": {"errors", "settings", "svg"},
-    "arguments": {"errors", "settings"},
+    "signatures": {"errors", "settings"},
+    "arguments": {"errors", "model"},
     "files": {"errors"},
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
     "fields": INSIDE | {"fields", "formats"},
     **{folder: INSIDE | {folder} for folder in RIM},
-    "parts": INSIDE | {"formats", "kernel"},
+    "sources": INSIDE,
+    "parts": INSIDE | {"formats", "kernel", "sources"},
     "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
-    "forms": INSIDE | RIM | {"files"},
+    "forms": INSIDE | RIM | {"files", "sources"},
     "pages": INSIDE | {"files", "toolpath", "view"},
     "views": INSIDE | {"files", "report", "toolpath", "view"},
-    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline"},
+    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline", "sources"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE
     | RIM
     | {
-        "arguments",
         "fields",
         "files",
         "forms",
         "parts",
         "recipes",
         "report",
+        "signatures",
         "structure",
         "toolpath",
         "version",

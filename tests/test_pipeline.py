@@ -363,3 +363,41 @@ def test_what_sites_weigh(bracket: Structure) -> None:
             for k in beside.T
         ]
         assert far[0] == pytest.approx(far[1], abs=1e-4)
+
+
+def test_settings_of_numpy_make_an_ont_that_is_read_back(samples: Path, tmp_path: Path) -> None:
+    size, height = np.float32(10), np.float64(4)
+    structure = v3dcad.fill(samples / "pyramid.stl", cell_size=size, layer_height=height)
+    structure.write_ont(tmp_path / "a.ont")
+    assert v3dcad.read_ont(tmp_path / "a.ont").settings == structure.settings
+
+
+def test_what_cannot_be_meant_is_refused_by_its_name(samples: Path) -> None:
+    structure = v3dcad.fill(samples / "pyramid.stl", cell_size=10, layer_height=4)
+    count = len(structure.layers)
+    for index in (count, -count - 1):
+        with pytest.raises(v3dcad.SettingError, match=f"layer {index}: the layers are 0 to"):
+            structure.layers[index]
+    assert next(reversed(structure.layers)).index == count - 1
+    cases = {
+        "points": lambda: structure.sites_at([(0, 0), (1, 1), (2, 2)]),
+        "z": lambda: structure.at("3"),
+        "bead_width": lambda: structure.overhang("1"),
+        "density": lambda: structure.properties(density=None),
+        "beyond": lambda: structure.facets("1"),
+        "thickness": lambda: structure.solid_mesh("1"),
+        "diameter": lambda: structure.strut_mesh([1]),
+        "svg_layer": lambda: structure.write_svg("a.svg", layer=1.0),
+        "count": lambda: structure.layers[0].diagram.areas(1),
+        "up": lambda: v3dcad.place_on_bed(structure.part, up=1.5),
+        "rotate": lambda: v3dcad.place_on_bed(structure.part, rotate=(1, 2, "a")),
+        "section": lambda: v3dcad.section(structure.part)[-10_000],
+        "heights": lambda: structure.part.sections("abc"),
+        "sites": lambda: v3dcad.fill(structure.part, sites=[(1, 2), (3,)]),
+        "vertices": lambda: v3dcad.part_from(([(0, 0)], [(0, 0, 0)])),
+        "triangles": lambda: v3dcad.part_from(([(0, 0, 0)], [(0, 0, 0.5)])),
+    }
+    for name, call in cases.items():
+        with pytest.raises(v3dcad.SettingError) as caught:
+            call()
+        assert caught.value.name == name

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
 from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
 
@@ -181,6 +182,10 @@ class Part(Protocol):
     def placement(self) -> Placement:
         """How it came to where it is from where its source lies."""
 
+    @property
+    def library(self) -> str:
+        """The CAD library that its shapes are given back to (`sources.LIBRARIES`); "" for none."""
+
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
 
@@ -279,8 +284,13 @@ class Diagram(Value):
         """(count,) area of each site's cell inside the section, mm²; 0 where it has none.
 
         Green's theorem over the edges: each adds to the cell on its left and takes from the
-        one on its right.
+        one on its right. Raises `SettingError` for a count that leaves out a site with a cell.
         """
+        least = int(self.edge_sites.max(initial=OUTSIDE)) + 1
+        if not isinstance(count, (int, np.integer)) or count < least:
+            raise SettingError(
+                "count", f"count {count}: give the number of all sites, len(layer.state.sites)"
+            )
         if not len(self.edges):
             return np.zeros(count)
         origin = self.vertices.mean(axis=0)

@@ -6,12 +6,13 @@ import json
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from v3dcad.arguments import takes_settings
+from v3dcad.arguments import finite, rows
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -45,6 +46,7 @@ from v3dcad.recipes import (
 )
 from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -108,6 +110,7 @@ class Structure(Forms, Views, Pages):
 
     def at(self, z: float) -> Diagram:
         """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
+        z = finite("z", z)
         (section,) = self.part.sections(np.array([z]), self.settings.chord_tolerance)
         return self.filling.at(z, section)
 
@@ -116,9 +119,7 @@ class Structure(Forms, Views, Pages):
 
         Raises `SettingError` for the thesis's method, as `faces` does.
         """
-        return self.filling.sites_at(
-            self.placement.to_bed(np.reshape(np.asarray(points, np.float64), (-1, 3)))
-        )
+        return self.filling.sites_at(self.placement.to_bed(rows("points", points, "x, y, z")))
 
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
         """The certificate: how every layer rests on the one below."""
@@ -139,7 +140,8 @@ class Structure(Forms, Views, Pages):
 
         Raises `SettingError` for the thesis's method, whose layers are not slices of such walls.
         """
-        return self.filling.facets(self.part.bounds + beyond * np.array([[-1.0], [1.0]]))
+        margin = finite("beyond", beyond)
+        return self.filling.facets(self.part.bounds + margin * np.array([[-1.0], [1.0]]))
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.
@@ -343,7 +345,7 @@ def fill(
         if sites is not None or settings:
             source = changed(source, sites, settings)
         return build_recipe(source, verify=verify, executor=executor, progress=progress)
-    if sites is None or isinstance(sites, int):
+    if sites is None or isinstance(sites, Real):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor, progress)
     explicit = given_sites(sites)

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from functools import cache
+from numbers import Integral, Real
+from typing import Any, TypeVar, get_args, get_type_hints
 
 from v3dcad.errors import SettingError
 
@@ -41,19 +44,41 @@ class Declared:
     method: str | None = None
     """the method that it is a setting of; None: of all"""
 
-    def check(self, name: str, value: object) -> None:
-        """Raise `SettingError` unless a value is a declared choice, or lies in the range."""
-        if self.choices and value not in self.choices:
-            raise SettingError(name, f"{option(name)} {value}: give {' or '.join(self.choices)}")
-        if isinstance(value, str) and (value in self.words or not self.words):
-            return
-        if self.fields and (isinstance(value, str) or callable(value)):
-            return
+    def checked(self, name: str, value: Any, kinds: tuple[Any, ...] = (float,)) -> Any:
+        """The value as Python's own type, of which NumPy's scalars are made too.
+
+        Raises `SettingError` unless it is of one of the kinds (bool, int, float, str), and is a
+        declared choice or word, or lies in the range.
+        """
+        value = _python_value(value)
+        if self.choices or (str in kinds and not self.words):
+            if not isinstance(value, str) or value not in (self.choices or (value,)):
+                wanted = " or ".join(self.choices) or "text"
+                raise SettingError(name, f"{option(name)} {value}: give {wanted}")
+            return value
+        if bool in kinds:
+            if not isinstance(value, bool):
+                raise SettingError(name, f"{option(name)} {value!r}: give True or False")
+            return value
+        if isinstance(value, str) and (value in self.words or self.fields):
+            return value
+        if self.fields and callable(value):
+            return value
+        kind: Any = Real if float in kinds else Integral
+        if isinstance(value, bool) or not isinstance(value, kind):
+            number = "a number" if kind is Real else "a whole number"
+            words = " or ".join([number, *self.words])
+            raise SettingError(name, f"{option(name)} {value!r}: give {words}")
         if not isinstance(value, (int, float)):
-            words = " or ".join(["a number", *self.words])
-            raise SettingError(name, f"{option(name)} {value}: give {words}")
+            value = float(value)  # a fraction
+        self._check_range(name, value)
+        return value
+
+    def _check_range(self, name: str, value: float) -> None:
+        """Raise `SettingError` unless a number lies in the range."""
         unit = f" {self.unit}" if self.unit else ""
-        if not math.isfinite(value):
+        largest = sys.float_info.max
+        if not -largest <= value <= largest:
             raise SettingError(name, f"{option(name)} {value}: give a finite number{unit}")
         if value in self.also:
             return
@@ -69,12 +94,6 @@ class Declared:
             raise SettingError(
                 name, f"{option(name)} {value}: give a number of at most {self.most:g}{unit}"
             )
-
-
-def check_size(name: str, value: float) -> None:
-    """Raise `SettingError` unless a length (mm) is a finite number above 0."""
-    if not 0 < value < math.inf:
-        raise SettingError(name, f"{name} {value:g}: give a number above 0 mm")
 
 
 def option(name: str) -> str:
@@ -104,7 +123,24 @@ class Checked:
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
-            declared(type(self), name).check(name, getattr(self, name))
+            object.__setattr__(self, name, checked(type(self), name, getattr(self, name)))
+
+
+def checked(cls: Any, name: str, value: Any) -> Any:
+    """A value of one field of a settings class, as `Declared.checked` has it."""
+    return declared(cls, name).checked(name, value, _kinds(cls)[name])
+
+
+@cache
+def _kinds(cls: Any) -> dict[str, tuple[Any, ...]]:
+    """The types that each setting of a class may have."""
+    hints = get_type_hints(cls)
+    return {name: get_args(hints[name]) or (hints[name],) for name in cls.__dataclass_fields__}
+
+
+def _python_value(value: Any) -> Any:
+    """A value as Python has it where it is a NumPy scalar; `.ont` and JSON know no others."""
+    return value.item() if getattr(value, "shape", None) == () else value
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -14,10 +14,10 @@ from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Quaternion, gp_Trsf, gp_Vec
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Edge, TopoDS_Face, TopoDS_Shape
 
+from v3dcad.arguments import above_zero
 from v3dcad.errors import SettingError
 from v3dcad.kernel.shapes import TOLERANCE, compound, location
 from v3dcad.model import Layer, Placement
-from v3dcad.settings import check_size
 
 PROFILES = ("rectangle", "rounded")
 
@@ -33,8 +33,8 @@ def layer_beads(
     `height`, mm, or, `rounded`, one whose sides are half circles. Raises `SettingError` for a size
     of 0, another profile, or a rounded one that is higher than wide.
     """
-    check_size("width", width)
-    check_size("height", height)
+    above_zero("width", width)
+    above_zero("height", height)
     if profile not in PROFILES:
         raise SettingError("profile", f"profile {profile!r}: give {' or '.join(PROFILES)}")
     if profile == "rounded" and height > width:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from v3dcad.arguments import numbers
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Placement
 
@@ -32,11 +33,9 @@ def turned(degrees: Sequence[float]) -> Placement:
 
     `SettingError` unless there are three finite numbers.
     """
-    if len(degrees) != 3 or not np.all(np.isfinite(degrees)):
-        raise SettingError("rotate", "--rotate: give three angles in degrees, such as 90,0,0")
     rotation = np.eye(3)
-    for axis, angle in enumerate(degrees):
-        quarters, rest = divmod(float(angle), 90.0)
+    for axis, angle in enumerate(numbers("rotate", degrees, 3).tolist()):
+        quarters, rest = divmod(angle, 90.0)
         cosine, sine = np.cos(np.radians(rest)), np.sin(np.radians(rest))
         for _ in range(int(quarters % 4)):
             cosine, sine = -sine, cosine

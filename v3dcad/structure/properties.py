@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from v3dcad.errors import SettingError
+from v3dcad.arguments import above_zero
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer, Value
 
@@ -51,9 +51,8 @@ def properties(
     Walls are `bead_width` mm wide, contours `perimeters` beads inwards; `density` in g/cm³.
     Raises `SettingError` for a width or density that is not above 0.
     """
-    for name, value in (("bead_width", bead_width), ("density", density)):
-        if not value > 0:
-            raise SettingError(name, f"{name} {value}: give a number above 0")
+    bead_width = above_zero("bead_width", bead_width)
+    density = above_zero("density", density, "g/cm³")
     moments = np.zeros((2, 10))
     for layer in layers:
         if layer.section.rings:

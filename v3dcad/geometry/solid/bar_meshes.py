@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from manifold3d import CrossSection, FillRule, Manifold
 
+from v3dcad.arguments import above_zero
 from v3dcad.geometry.mesh.boolean import united
 from v3dcad.model import Floats, Ints, Layer, Mesh
-from v3dcad.settings import check_size
 
 SIDES = 12
 """Sides of the prism that represents a round bar."""
@@ -21,7 +21,7 @@ def bar_mesh(points: Floats, struts: Ints, diameter: float, sides: int = SIDES) 
 
     `sides` are those of a prism and of a ball; the more, the closer they are to round ones.
     """
-    check_size("diameter", diameter)
+    above_zero("diameter", diameter)
     radius = diameter / 2
     ball = Manifold.sphere(radius, sides)
     joints = [ball.translate(point) for point in points[np.unique(struts)].tolist()]
@@ -45,8 +45,8 @@ def bead_mesh(layers: Iterable[Layer], width: float, height: float, base: float 
     Lines have round ends and corners, true to a hundredth of the width. A layer's bead stands
     `base` mm over the layer's height.
     """
-    check_size("width", width)
-    check_size("height", height)
+    above_zero("width", width)
+    above_zero("height", height)
     return united(
         [
             CrossSection(_outlines(layer, width), FillRule.EvenOdd)
