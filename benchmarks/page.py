@@ -1,9 +1,9 @@
 """How large the page is, how many draw calls a frame takes and how long it takes to draw.
 
 `python benchmarks/page.py [part ...]` from the root of the repository prints the Markdown table of
-docs/page.md. Frames are drawn by Chromium without a window, whose renderer is software (SwiftShader,
-one thread for each core); a laptop's graphics card is much faster. A frame counts as drawn when its
-pixels can be read back. Each figure is the median of `FRAMES`, the camera turned before each.
+docs/page.md. Frames are drawn by Chromium without a window, whose renderer is software, on the
+processor alone (SwiftShader). A frame counts as drawn when its pixels can be read back. Each figure
+is the median of `FRAMES`, the camera turned before each.
 """
 
 from __future__ import annotations

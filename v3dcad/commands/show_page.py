@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
+import tempfile
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +27,11 @@ def open_in_browser(address: str) -> bool:
         return webbrowser.open(address)
     except webbrowser.Error:
         return False
+
+
+def page_place(part: Path) -> Path:
+    """Where the page of a part is written that was not asked for as a file."""
+    return Path(tempfile.mkdtemp(prefix="v3dcad-")) / f"{part.stem}.html"
 
 
 def show_file(file: Path, opens: bool) -> None:

@@ -85,7 +85,9 @@ def test_modules_are_in_the_file_and_find_each_other(small: str) -> None:
         assert head == "data:text/javascript;base64"
         source = base64.b64decode(text).decode()
         for name in re.findall(r"""\bfrom\s*["']([^"']+)["']""", source):
-            assert name in imports or name == "three/addons/controls/OrbitControls.js"  # in a comment
+            assert (
+                name in imports or name == "three/addons/controls/OrbitControls.js"
+            )  # in a comment
 
 
 def test_the_licence_of_three_goes_with_it(small: str) -> None:

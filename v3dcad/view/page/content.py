@@ -11,6 +11,7 @@ from v3dcad.model import Floats, Layer, Mesh, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.view.colours import COLOURS, RAMP
 from v3dcad.view.page.document import document
+from v3dcad.view.page.first import WHOLE, First
 from v3dcad.view.page.motion import Motion, motion, motion_arrays
 from v3dcad.view.page.packing import pack
 from v3dcad.view.page.segments import UPRIGHT, Arrays, LayerArrays, layer_arrays
@@ -30,6 +31,7 @@ def page(
     facts: Mapping[str, str],
     toolpaths: Iterable[Toolpath] = (),
     printing: PrintSettings | None = None,
+    first: First = WHOLE,
     *,
     most: int = MOST_SEGMENTS,
     live: int = 0,
@@ -39,8 +41,8 @@ def page(
     `mesh` is the part's surface, `facts` what is told of the structure, by name. The toolpath, one
     for each layer, was traced with the settings `printing`. Goes through the layers twice. Where
     they or their toolpaths have more than `most` segments, only every so many layers are shown,
-    evenly, and the page says so. `live` is the number of a page that is
-    served, and hears of later ones.
+    evenly, and the page says so. `first` is what it shows when it is opened;
+    `live` the number of a page that is served, and hears of later ones.
     """
     every, volumes = _told(layers, layer_height)
     motions = _motions(toolpaths, printing or PrintSettings())
@@ -62,6 +64,7 @@ def page(
         "bounds": bounds.tolist(),
         "rise": layer_height * step,
         "last": len(every) - 1,
+        "first": first.values(len(every), step, "layer" in TARGETS[first.target].asks),
         "steepest": _steepest(arrays),
         "colours": {**COLOURS, "ramp": RAMP},
         "targets": [[name, target.shows] for name, target in TARGETS.items()],

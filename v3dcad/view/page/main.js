@@ -29,6 +29,7 @@ async function start() {
   const first = {
     target: "full", form: "walls", layer: last, cell: -1, neighbour: -1, time: 0, playing: false,
     part: true, clip: "off", at: 50, flip: false, travels: true, seams: true, theme: "system",
+    ...told.first,
   };
   const state = new State({ ...first, ...(told.live ? live.kept() : {}) }, (values, patch) =>
     together(toolpath, values, patch),
