@@ -27,8 +27,10 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-FEATURES = 8
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER = range(FEATURES)
+FEATURES = 9
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER, BRIDGE = range(
+    FEATURES
+)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 Progress = Callable[[str, int, int], object]
@@ -379,8 +381,8 @@ class Toolpath(Value):
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
-    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a
-    way already extruded, NO_FEATURE elsewhere"""
+    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE, BRIM or SKIRT where it extrudes,
+    RETRACED on a way already extruded, NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 

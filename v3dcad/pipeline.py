@@ -29,6 +29,7 @@ from v3dcad.model import (
     part_words,
     unheard,
 )
+from v3dcad.pages import Pages
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure(Forms, Views):
+class Structure(Forms, Views, Pages):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.

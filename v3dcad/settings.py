@@ -335,8 +335,19 @@ class PrintSettings(Checked):
         "spanning tree.",
         choices=("joined", "least-retrace", "trails", "tree"),
     )
-    bottom_layers: int = setting(0, "Solid layers at the bottom.", least=0)
-    top_layers: int = setting(0, "Solid layers at the top.", least=0, most=1000)
+    seam: str = setting(
+        "aligned",
+        "Where the outermost perimeter begins and ends: above the seam below, in the sharpest "
+        "corner; at the rear; or somewhere else on each layer.",
+        choices=("aligned", "rear", "scattered"),
+    )
+    bottom_layers: int = setting(
+        4, "Solid layers over every face that looks down.", least=0, most=1000
+    )
+    top_layers: int = setting(4, "Solid layers under every face that looks up.", least=0, most=1000)
+    open: bool = setting(
+        False, "Leave out all solid layers: walls and contours alone, as the thesis prints."
+    )
     skirt_loops: int = setting(1, "Loops around the first layer.", least=0, most=1000)
     skirt_distance: float = setting(
         3.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
@@ -367,6 +378,20 @@ class PrintSettings(Checked):
     )
     solid_speed: float = setting(
         40.0, "Speed while extruding solid layers.", unit="mm/s", above=0, most=2000
+    )
+    bridge_speed: float = setting(
+        25.0,
+        "Speed while extruding solid layers over air and cells.",
+        unit="mm/s",
+        above=0,
+        most=2000,
+    )
+    bridge_flow: float = setting(
+        100.0,
+        "The same over air and cells, instead of `flow`.",
+        unit="%",
+        above=0,
+        most=1000,
     )
     travel_speed: float = setting(
         150.0, "Speed while not extruding.", unit="mm/s", above=0, most=2000
@@ -425,6 +450,13 @@ class PrintSettings(Checked):
     )
     bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
     fan: float = setting(100.0, "Power of the part's fan.", unit="%", least=0, most=100)
+    bridge_fan: float = setting(
+        100.0,
+        "Power of the fan over air and cells.",
+        unit="%",
+        least=0,
+        most=100,
+    )
     fan_from_layer: int = setting(1, "First layer that the fan blows at.", least=0)
     fan_full_layer: int = setting(
         3, "Layer from which the fan has its full power; before, it speeds up evenly.", least=0
@@ -467,6 +499,10 @@ class PrintSettings(Checked):
     def wall_width(self) -> float:
         """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
         return 2 * self.bead_width if self.route == "joined" else self.bead_width
+
+    def solid_layers(self) -> tuple[int, int]:
+        """How many layers are solid at faces that look down, and at those that look up."""
+        return (0, 0) if self.open else (self.bottom_layers, self.top_layers)
 
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""

@@ -149,7 +149,8 @@ def test_bridges_wander() -> None:
 
 def traced(made: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
-    chosen = PrintSettings(route="joined", perimeters=2, skirt_loops=0, brim_width=0.0, **options)
+    usual = {"perimeters": 2, "skirt_loops": 0, "brim_width": 0.0, "open": True}
+    chosen = PrintSettings(route="joined", **{**usual, **options})
     return list(trace(made, chosen, reports.append)), reports
 
 

@@ -43,8 +43,8 @@ def sources_of(part: Part) -> Mapping[str, Source]:
     """The fields that an expression can call, in the coordinates of the part.
 
     surface(), faces(n, …) and distance(file): the distance from the part's surface, from faces by
-    their numbers, or from the triangles of an STL file, mm. table(file, column): values at points. image(file, …, view): grey, from 0 to 1.
-    stress(file): von Mises stress.
+    their numbers, or from the triangles of an STL file, mm. table(file, column): values at points.
+    image(file, …, view): grey, from 0 to 1. stress(file): von Mises stress.
     """
 
     def surface() -> Field:

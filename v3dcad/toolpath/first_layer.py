@@ -11,6 +11,7 @@ from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.perimeters import inset, outermost_depth
+from v3dcad.toolpath.skins import Cut
 
 AUTO_BRIM = 5.0
 """mm: the brim of a part that stands on little."""
@@ -22,19 +23,17 @@ OVERHANGS = 0.05
 """Nor does one that stands on so small a share of its largest section."""
 
 
-def printed_areas(
-    layers: Iterable[Layer], settings: PrintSettings
-) -> Iterator[tuple[Layer, shapely.Geometry, bool]]:
-    """Each layer, its section's area, and whether it belongs to the print.
+def cuts(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[Cut]:
+    """Each layer with its section's area.
 
-    It does from the first one on that has room for a bead: a part that stands on a point or a line
-    may begin with sections that have none.
+    It is printed from the first one on that has room for a bead: a part that stands on a point or a
+    line may begin with sections that have none.
     """
     begun = False
     for layer in layers:
         area = section_area(layer.section)
         begun = begun or not inset(area, outermost_depth(settings)).is_empty
-        yield layer, area, begun
+        yield Cut(layer, area, begun)
 
 
 def brim_width(area: shapely.Geometry, settings: PrintSettings) -> float:
