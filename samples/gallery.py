@@ -20,18 +20,23 @@ from v3dcad.view.picture import choose
 
 SAMPLES = Path(__file__).resolve().parent
 FOLDER = SAMPLES.parent / "docs" / "gallery"
-PIXELS, COLOURS = 640, 48
-"""As large, and of as many colours, as pictures are kept."""
+SIZES, COLOURS, MOST = (640, 480, 360, 240), 48, 64_000
+"""Pictures are kept as tall as this (pixels), in so many colours: the first size that takes at most
+so many bytes."""
 
 
 def write(name: str, data: bytes) -> None:
     """Keep a picture, small."""
     with Image.open(io.BytesIO(data)) as picture:
-        width, height = picture.size
-        small = picture.convert("RGB").resize(
-            (PIXELS * width // height, PIXELS), Image.Resampling.LANCZOS
-        )
-    small.quantize(COLOURS, dither=Image.Dither.NONE).save(FOLDER / f"{name}.png", optimize=True)
+        drawn = picture.convert("RGB")
+    for height in SIZES:
+        width = height * drawn.width // drawn.height
+        small = drawn.resize((width, height), Image.Resampling.LANCZOS)
+        kept = io.BytesIO()
+        small.quantize(COLOURS, dither=Image.Dither.NONE).save(kept, "PNG", optimize=True)
+        if len(kept.getvalue()) <= MOST:
+            break
+    (FOLDER / f"{name}.png").write_bytes(kept.getvalue())
 
 
 def draw_thesis(recipe: Recipe) -> None:
