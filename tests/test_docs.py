@@ -1,4 +1,4 @@
-"""What docs/scripting.md and docs/worker.md show is run, and so are the sample scripts."""
+"""What docs/scripting.md, worker.md and seeing.md show is run, and so are the sample scripts."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 from hosts import cadquery_or_skip
+
+from v3dcad.view.targets.declared import TARGETS
 
 pytestmark = pytest.mark.slow
 
@@ -38,6 +40,27 @@ def test_the_conversation_with_the_worker_runs(
     said = capsys.readouterr().out.splitlines()
     assert re.fullmatch(r"[0-9]+ edges on [0-9]+ layers", said[-1])
     assert "filling 0 of" in "".join(said)
+
+
+def test_the_guide_to_seeing_runs_and_names_every_target(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (ROOT / "docs" / "seeing.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `(\w+)` \|", text, re.M) == list(TARGETS)
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.S)
+    (tmp_path / "guide.py").write_text(code, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    made = runpy.run_path("guide.py")
+    assert made["picture"].startswith(b"\x89PNG")
+    assert (tmp_path / "layer.svg").stat().st_size > 1000
+
+
+def test_the_gallery_shows_each_of_its_pictures() -> None:
+    text = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    shown = re.findall(r"\]\((gallery/[^)]+)\)", text)
+    there = [f"gallery/{file.name}" for file in (ROOT / "docs" / "gallery").iterdir()]
+    assert sorted(shown) == sorted(there)
+    assert all((ROOT / "docs" / file).stat().st_size <= 64_000 for file in there)
 
 
 @pytest.mark.filterwarnings("ignore:.* cells are wide. they close up")
