@@ -95,8 +95,8 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "exports", "forms", "ont", "parts", "recipes", "report", "slicing", "files",
-            "version", "views", "warm_up", "watched", "__init__",
+            "pipeline", "exports", "forms", "nearness", "ont", "parts", "recipes", "report",
+            "slicing", "files", "version", "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),

@@ -21,7 +21,7 @@ MAY_IMPORT = {
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
-    "fields": INSIDE | {"fields", "formats"},
+    "fields": INSIDE | {"fields"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "parts": INSIDE | {"formats", "kernel"},
     "nearness": INSIDE | {"fields", "kernel"},
