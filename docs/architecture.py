@@ -95,8 +95,9 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "exports", "forms", "nearness", "ont", "parts", "recipes", "report",
-            "slicing", "files", "version", "views", "warm_up", "watched", "__init__",
+            "pipeline", "arguments", "exports", "files", "forms", "nearness", "ont", "pages",
+            "parts", "recipes", "report", "signatures", "slicing", "sources", "svg", "version",
+            "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),

@@ -153,7 +153,7 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--print-speed", 0], "--print-speed"),
         (["--chord-tolerance", 0], "--chord-tolerance 0.0: give a number above 0 mm"),
         (["--base-clearance", -1], "--base-clearance -1"),
-        (["--rotate", "1,2"], "--rotate: give three angles"),
+        (["--rotate", "1,2"], "--rotate 1,2: give three angles"),
         (["--rotate", "1,2,x"], "such as 90,0,0"),
         (["--up", "w"], "--up w: give x, y, z or the number of a face"),
         (["--up", 9], "the part's faces are 0 to 2"),
@@ -386,3 +386,50 @@ def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
     assert run("fill", samples / "cone.step", "--layer-height", 5, *again).returncode == 0
     adjusted = run("nc", "adjust", gcode, tmp_path / "c.gcode", "--retraction", 1)
     assert "hops" in adjusted.stdout
+
+
+def test_view_draws_pictures(samples: Path, tmp_path: Path) -> None:
+    png, svg = tmp_path / "a.png", tmp_path / "a.svg"
+    how = ("--layer-height", 5, "--cell-size", 12)
+    done = run(
+        *("view", samples / "pyramid.stl", "--target", "layer", "--layer", 3, "--ids", *how),
+        *("--png", png, "--svg", svg),
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("written") == 2
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert "layer 3, 15 mm above the bed" in svg.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "nothing to draw: give --png FILE or --svg FILE"),
+        (("--svg", "a.svg", "--target", "none"), "--target none: give full, layer, cell, "),
+        (("--svg", "a.svg", "--target", "layer", "--layer", 99), "the layers are 0 to 4"),
+        (("--svg", "a.svg", "--target", "cell"), "no cell is chosen: the cells of layer 2 are "),
+        (("--svg", "a.svg", "--target", "cell", "--cell", 9999), "cell 9999: the cells of layer 2"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told_in_one_line(
+    words: tuple[object, ...],
+    said: str,
+    samples: Path,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert said in mistake(
+        capsys, "view", samples / "pyramid.stl", "--layer-height", 10, "--cell-size", 12, *words
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_view_takes_no_file_of_another_kind(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    other, png = tmp_path / "a.txt", tmp_path / "a.png"
+    other.write_text("hello", encoding="utf-8")
+    assert "not a kind of file that can be filled" in mistake(capsys, "view", other, "--png", png)
+    assert "would overwrite the part itself" in mistake(capsys, "view", other, "--png", other)

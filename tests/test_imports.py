@@ -12,26 +12,30 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "v3dcad"
 
 RIM = {"kernel", "formats", "printer", "view"}
-INSIDE = {"geometry", "model", "settings", "errors"}
+INSIDE = {"geometry", "model", "settings", "arguments", "errors"}
 MAY_IMPORT = {
     "errors": set(),
     "settings": {"errors"},
-    "model": {"errors", "settings"},
+    "svg": set(),
+    "model": {"errors", "settings", "svg"},
+    "signatures": {"errors", "settings"},
+    "arguments": {"errors", "model"},
     "files": {"errors"},
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
     "fields": INSIDE | {"fields"},
     **{folder: INSIDE | {folder} for folder in RIM},
-    "parts": INSIDE | {"formats", "kernel"},
+    "sources": INSIDE,
+    "parts": INSIDE | {"formats", "kernel", "sources"},
     "nearness": INSIDE | {"fields", "kernel"},
-    "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
+    "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
-    "forms": INSIDE | RIM | {"files"},
-    "views": INSIDE | {"files", "toolpath", "view"},
-    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline"},
+    "forms": INSIDE | RIM | {"files", "sources"},
+    "views": INSIDE | {"files", "report", "toolpath", "view"},
+    "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline", "sources"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE
     | RIM
@@ -42,13 +46,14 @@ MAY_IMPORT = {
         "parts",
         "recipes",
         "report",
+        "signatures",
         "structure",
         "toolpath",
         "version",
         "views",
     },
     "watched": set(),
-    "exports": INSIDE | {"pipeline"},
+    "exports": INSIDE | {"pipeline", "report"},
     "worker": INSIDE
     | {
         "exports",
@@ -65,7 +70,7 @@ MAY_IMPORT = {
         "watched",
         "worker",
     },
-    "options": {"settings"},
+    "options": {"errors", "settings"},
     "commands": INSIDE
     | {
         "commands",
@@ -81,19 +86,22 @@ MAY_IMPORT = {
         "report",
         "slicing",
         "structure",
+        "view",
         "warm_up",
         "watched",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
-    "cli": {"commands", "errors"},
+    "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure"},
+    "__init__": INSIDE
+    | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
     "graphs": set(),
+    "loops": {"compiled", "power_diagram"},
     "section_area": set(),
     "print_time": {"arcs", "compiled"},
     "power_diagram": {"compiled"},
@@ -164,8 +172,8 @@ def test_imports_run_downward(path: Path) -> None:
         ("geometry/power_diagram/grid.py", "v3dcad.geometry.clipping.interior"),
         ("geometry/compiled/arrays.py", "v3dcad.geometry.power_diagram.grid"),
         ("geometry/arcs.py", "v3dcad.structure.fill"),
-        ("structure/fill.py", "v3dcad.formats.svg"),
-        ("formats/svg.py", "v3dcad.kernel.step"),
+        ("structure/fill.py", "v3dcad.formats.mesh.stl"),
+        ("formats/mesh/stl.py", "v3dcad.kernel.step"),
         ("toolpath/graph.py", "numba"),
         ("structure/fill.py", "OCP.gp"),
         ("pipeline.py", "build123d"),

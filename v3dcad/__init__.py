@@ -9,6 +9,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from v3dcad.version import VERSION
+
 if TYPE_CHECKING:
     from v3dcad.errors import (
         FormatError,
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from v3dcad.settings import FillSettings, PrintSettings
     from v3dcad.slicing import Sections, place_on_bed, section
     from v3dcad.structure.fill import fill_sections
+
+__version__ = VERSION
 
 _HOME = {
     "FillSettings": "settings",

@@ -1,7 +1,8 @@
 """The errors v3dcad raises. Every message says what, where, and what to do.
 
 V3dcadError
-├── SettingError          a setting outside its range (knows the setting's name)
+├── SettingError          a setting or argument outside its range (knows its name)
+│   └── OutOfRangeError       a number of a layer, face … that is not there; an IndexError too
 ├── GeometryError         input geometry that cannot be computed with (knows layer and site)
 ├── FormatError           a file that cannot be read (knows path, line and section)
 ├── KernelError           OCCT refused a shape
@@ -10,14 +11,42 @@ V3dcadError
     ├── LocalPrinterError     our side: port, settings, protocol misuse
     └── RemotePrinterError    the printer's side: what it answered, or did not
 
-The command line turns each into one line on stderr and exit code 2.
+The command line turns each into one line on stderr and exit code 2. Messages are written once,
+with options of the command line: `--layer-height`. From Python they name arguments.
 """
 
 from __future__ import annotations
 
+import re
+
+OPTION = re.compile(r"(?<![\w-])--(no-)?([a-z][a-z0-9]*(?:-[a-z0-9]+)*)")
+
+
+def with_arguments(text: str) -> str:
+    """A text that names options of the command line, with the arguments of Python instead.
+
+    `--layer-height` becomes `layer_height`, `--no-verify` becomes `verify=False`.
+    """
+
+    def argument(found: re.Match[str]) -> str:
+        return found[2].replace("-", "_") + ("=False" if found[1] else "")
+
+    return OPTION.sub(argument, text)
+
 
 class V3dcadError(Exception):
-    """Base of all errors that v3dcad raises on purpose."""
+    """Base of all errors that v3dcad raises on purpose.
+
+    `str()` says it with the arguments of Python, `message` with the options of the command line:
+    that is what another error's message is made of, if it goes on with this one's.
+    """
+
+    def __init__(self, message: str) -> None:
+        self.message = message
+        super().__init__(message)
+
+    def __str__(self) -> str:
+        return with_arguments(self.message)
 
 
 class SettingError(V3dcadError):
@@ -26,6 +55,13 @@ class SettingError(V3dcadError):
     def __init__(self, name: str, message: str) -> None:
         self.name = name
         super().__init__(message)
+
+
+class OutOfRangeError(SettingError, IndexError):
+    """A number of a layer, section or face beyond those that there are.
+
+    An `IndexError` as well, by which Python ends its walk through a sequence.
+    """
 
 
 class GeometryError(V3dcadError):

@@ -11,9 +11,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from v3dcad.errors import FormatError, GeometryError, SettingError
+from v3dcad.arguments import numbers, place
+from v3dcad.errors import FormatError, GeometryError
 from v3dcad.formats.mesh.stl import normals, read_stl
-from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section
+from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section, part_words
+from v3dcad.sources import library_of, mesh_in, shapes_in
 
 STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
 STL, THREEMF, OBJ = (".stl",), (".3mf",), (".obj",)
@@ -33,6 +35,11 @@ class MeshPart:
     """how it came to where it is from where its source lies"""
     overlap: float = 0.0
     """mm³, by how much what the surface winds around, as often as it does, exceeds the part"""
+    library: str = ""
+    """the CAD library that its shapes are given back to"""
+
+    def __repr__(self) -> str:
+        return f"<MeshPart {part_words(self)}: {len(self.surface.triangles)} triangles>"
 
     @property
     def bounds(self) -> Floats:
@@ -48,19 +55,15 @@ class MeshPart:
 
     def normal(self, face: int) -> Floats:
         """(3,) outward unit normal of a triangle, by its number from 0."""
-        if not 0 <= face < len(self.surface.triangles):
-            count = len(self.surface.triangles)
-            raise SettingError("up", f"--up {face}: the mesh's triangles are 0 to {count - 1}")
-        unit: Floats = normals(self.surface.vertices[self.surface.triangles[[face]]])[0]
+        chosen = place("up", face, len(self.surface.triangles), "mesh's triangles")
+        unit: Floats = normals(self.surface.vertices[self.surface.triangles[[chosen]]])[0]
         return unit
 
     def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
         """Some triangles, by their numbers from 0."""
         count = len(self.surface.triangles)
-        for face in faces:
-            if not 0 <= face < count:
-                raise SettingError("faces", f"face {face}: the triangles are 0 to {count - 1}")
-        return Mesh(self.surface.vertices, self.surface.triangles[list(faces)])
+        chosen = [place("face", face, count, "mesh's triangles") for face in faces]
+        return Mesh(self.surface.vertices, self.surface.triangles[chosen])
 
     def placed(self, placement: Placement) -> MeshPart:
         """The same triangles, moved."""
@@ -79,7 +82,7 @@ class MeshPart:
         from v3dcad.geometry.mesh.section import section_mesh
         from v3dcad.geometry.section_union import united
 
-        found = section_mesh(self.surface, heights, executor)
+        found = section_mesh(self.surface, numbers("heights", heights), executor)
         return united(found, chord_tolerance, _bodies_meet(self.surface))
 
     def exact(self, layer: Layer) -> Layer:
@@ -106,11 +109,13 @@ def _bodies_meet(surface: Mesh) -> bool:
 def part_from(source: Any, *, repair: bool = False, as_brep: bool = False) -> Part:
     """The part in a file (STEP, STL, 3MF, OBJ, BREP), a shape, or a mesh; a part as it is.
 
-    Shapes are those of OCP, build123d and CadQuery; a mesh is a pair of vertices (v, 3), mm, and
-    triangles (t, 3). Meshes have to be closed: `repair` closes their holes, and findings say what
-    it patched. `as_brep` makes a B-rep with plane faces of a mesh. Raises `FormatError` for a
-    file that cannot be read, `KernelError` for a shape without a solid, `GeometryError` for a
-    mesh that is not closed or too large for a B-rep, and for anything else.
+    Shapes are those of OCP, build123d and CadQuery: solids, closed shells, compounds, builders,
+    Workplanes, assemblies and lists of them. A mesh is one of trimesh, or a pair of vertices
+    (v, 3), mm, and triangles (t, 3). Meshes have to be closed: `repair` closes their holes, and
+    findings say what it patched. `as_brep` makes a B-rep with plane faces of a mesh. Raises
+    `FormatError` for a file that cannot be read, `KernelError` for a shape without a solid,
+    `SettingError` for arrays of another shape, `GeometryError` for a mesh that is not closed or too
+    large for a B-rep, and for anything else.
     """
     found = _part_of(source, repair)
     if as_brep and isinstance(found, MeshPart):
@@ -125,24 +130,16 @@ def _part_of(source: Any, repair: bool) -> Part:
         return _part_in(Path(source), repair)
     if hasattr(source, "sections"):
         return cast(Part, source)
-    if isinstance(source, Mesh):
-        return _mesh_part("mesh", source, repair)
-    if isinstance(source, tuple) and len(source) == 2:
-        vertices, triangles = np.asarray(source[0], np.float64), np.asarray(source[1], np.int64)
-        return _mesh_part("mesh", Mesh(vertices, triangles), repair)
-    if hasattr(source, "vals"):
-        from v3dcad.kernel.shapes import compound
-
-        source = compound(value.wrapped for value in source.vals())
-    shape = getattr(source, "wrapped", source)
-    if not hasattr(shape, "TShape"):
-        raise GeometryError(
-            f"{type(source).__name__} cannot be filled: give a path, a shape, or (vertices, faces)"
-        )
+    mesh = mesh_in(source)
+    if mesh is not None:
+        return _mesh_part("mesh", mesh, repair)
+    shapes = list(shapes_in(source))
     from v3dcad.kernel.part import solid_part
+    from v3dcad.kernel.shapes import compound
 
-    name = getattr(source, "label", "") or "part"
-    return solid_part(shape, name, name)
+    shape = shapes[0] if len(shapes) == 1 else compound(shapes)
+    name = str(getattr(source, "label", None) or "part")
+    return replace(solid_part(shape, name, name), library=library_of(source))
 
 
 def _mesh_part(
@@ -155,7 +152,7 @@ def _mesh_part(
     try:
         closed, mended = checked_mesh(mesh, repair=repair)
     except GeometryError as error:
-        raise GeometryError(f"{where}: {error}") from error
+        raise GeometryError(f"{where}: {error.message}") from error
     overlap = overlap_volume(closed)
     if overlap:
         mended.append(

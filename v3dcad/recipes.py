@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import replace
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from v3dcad.arguments import rows
 from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Floats, Mesh, Part, Recipe
@@ -65,7 +68,9 @@ def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillS
         chosen = {**chosen, "sites": len(sites)}
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
-            raise SettingError(name, f"there is no setting {name!r}")
+            near = difflib.get_close_matches(name, FillSettings.__dataclass_fields__, n=1)
+            hint = f"did you mean {near[0]}?" if near else "help(v3dcad.fill) lists them"
+            raise SettingError(name, f"there is no setting {name!r}; {hint}")
     settings = FillSettings(**chosen)
     for name in chosen:
         FillSettings.refuse_other(name, settings.method)
@@ -74,15 +79,10 @@ def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillS
 
 def given_sites(sites: Any) -> Floats:
     """Sites that a user gave as an array (n, 2) or (n, 3); `SettingError` for anything else."""
-    try:
-        rows = np.asarray(sites, dtype=np.float64)
-    except (TypeError, ValueError):
-        rows = np.empty(0)
-    if rows.ndim != 2 or rows.shape[1] not in (2, 3) or not len(rows):
-        raise SettingError(
-            "sites", "sites: give rows of x, y, z, or of x, y for columns, all of the same length"
-        )
-    return rows
+    found = rows("sites", sites, "x, y, z", "x, y for columns")
+    if not len(found):
+        raise SettingError("sites", "sites: none; give rows of x, y, z, or of x, y for columns")
+    return found
 
 
 def sites_of(recipe: Recipe) -> Floats | None:
@@ -110,7 +110,7 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
         if declared(FillSettings, name).method in ((None, method) if same else (None,))
     }
     before["method"] = method
-    if isinstance(sites, int):
+    if isinstance(sites, Real):
         kept, settings = None, {**settings, "sites": sites}
     elif sites is not None:
         kept = given_sites(sites)

@@ -33,3 +33,28 @@ def test_cells_of_a_sketched_solid_in_an_assembly() -> None:
     assert sum(cell.Volume() for cell in cells.vals()) == pytest.approx(whole, rel=1e-8)
     assembly = cadquery.Assembly().add(cells, name="cells")
     assert assembly.toCompound().Volume() == pytest.approx(whole, rel=1e-8)
+
+
+def test_what_was_selected_stands_for_the_solid_that_it_is_of() -> None:
+    block = cadquery.Workplane().box(20, 20, 10)
+    for selected in (block.faces(">Z").workplane(), block.edges("|Z"), block.faces(">Z")):
+        cells = selected.voronoiFill("cells", **SETTINGS)
+        assert sum(cell.Volume() for cell in cells.vals()) == pytest.approx(4000, rel=1e-8)
+        assert v3dcad.part_from(selected).contents()["volume"] == "4000 mm³"
+    with pytest.raises(v3dcad.GeometryError, match="Sketch holds no shape"):
+        v3dcad.part_from(cadquery.Sketch().rect(1, 2))
+    with pytest.raises(v3dcad.KernelError, match="no solid"):
+        v3dcad.part_from(cadquery.Workplane())
+
+
+def test_shapes_come_back_as_cadquerys_own() -> None:
+    block = cadquery.Workplane().box(20, 20, 10)
+    structure = v3dcad.fill(block, **SETTINGS)
+    assert all(isinstance(cell, cadquery.Solid) for cell in structure.cells())
+    rest = block.cut(cadquery.Workplane(structure.solid(1.0)))
+    filled = structure.solid(1.0).Volume()
+    assert rest.val().Volume() == pytest.approx(4000 - filled, rel=1e-6)
+    assembly = cadquery.Assembly().add(block).add(block, loc=cadquery.Location((40, 0, 0)))
+    for two in (assembly, [block, block.translate((40, 0, 0))]):
+        assert v3dcad.part_from(two).contents()["volume"] == "8000 mm³"
+        assert v3dcad.part_from(two).library == "cadquery"

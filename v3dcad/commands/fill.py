@@ -10,6 +10,7 @@ import typer
 
 from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
@@ -43,12 +44,7 @@ def fill(
             metavar="CSV", help="Sites as x,y,z in mm, or x,y for columns; bed coordinates."
         ),
     ] = None,
-    profile: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME|TOML", help="Machine profile, as prusa-mk4, or a file of yours."
-        ),
-    ] = None,
+    profile: Profile = None,
     ont: OutputFile = None,
     gcode: OutputFile = None,
     step: OutputFile = None,
@@ -73,14 +69,14 @@ def fill(
     named = {"ont": ont, "gcode": gcode, "step": step, "png": png, "report": report}
     named |= {"stl": stl, "threemf": threemf, "brep": brep, "svg": svg}
     files = _files(part, out, named)
+    exporting = ExportSettings(**given(ExportSettings, settings))
+    chosen = given(FillSettings, settings)
+    printing = print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import export
     from v3dcad.parts import check_readable
     from v3dcad.pipeline import fill as fill_part
 
-    printing = _print_settings(profile, settings)
-    exporting = ExportSettings(**given(ExportSettings, settings))
-    chosen = given(FillSettings, settings)
     if sites_file is not None:
         from v3dcad.formats.sites_csv import read_sites
 
@@ -97,23 +93,13 @@ def fill(
             if kind == "gcode":
                 printed = watched.write_gcode(file, printing)
             elif kind != "report":
-                export(watched, kind, file, exporting, printing.bead_width)
+                export(watched, kind, file, exporting, printing.bead_width, printed)
         progress.start("checking what holds up each layer")
         if "report" in files:
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
     _print_summary(structure, summary, files)
-
-
-def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
-    """What a profile says, unless an option says otherwise."""
-    known: dict[str, Any] = {}
-    if profile is not None:
-        from v3dcad.formats.gcode.machine_profile import read_profile
-
-        known = read_profile(profile)
-    return PrintSettings(**{**known, **given(PrintSettings, settings)})
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:

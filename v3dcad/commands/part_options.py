@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -53,7 +54,10 @@ def _angles(text: str | None) -> tuple[float, ...]:
     if text is None:
         return (0.0, 0.0, 0.0)
     try:
-        return tuple(float(word) for word in text.split(","))
+        angles = tuple(float(word) for word in text.split(","))
     except ValueError:
+        angles = ()
+    if len(angles) != 3 or not all(map(math.isfinite, angles)):
         message = f"--rotate {text}: give three angles in degrees, such as 90,0,0"
-        raise SettingError("rotate", message) from None
+        raise SettingError("rotate", message)
+    return angles

@@ -19,6 +19,7 @@ from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
+from v3dcad.arguments import numbers, place
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.geometry.mesh.bodies import overlap_findings
 from v3dcad.geometry.section_union import united
@@ -40,7 +41,7 @@ from v3dcad.kernel.shapes import (
     volume,
 )
 from v3dcad.kernel.union import one_body, overlaps, solids_meet
-from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
+from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section, part_words
 
 MESH_SAG = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -73,6 +74,11 @@ class SolidPart:
     """how it came to where it is from where its source lies"""
     overlap: float = 0.0
     """mm³, by how much the sum of the solids' volumes exceeds that of their union"""
+    library: str = ""
+    """the CAD library that its shapes are given back to: "build123d", "cadquery" or none"""
+
+    def __repr__(self) -> str:
+        return f"<SolidPart {part_words(self)}>"
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -85,22 +91,19 @@ class SolidPart:
     def normal(self, face: int) -> Floats:
         """(3,) outward unit normal of a plane face, by its number from 0."""
         faces = list(subshapes(self.shape, FACE))
-        if not 0 <= face < len(faces):
-            raise SettingError("up", f"--up {face}: the part's faces are 0 to {len(faces) - 1}")
-        surface = BRepAdaptor_Surface(TopoDS.Face_s(faces[face]))
+        chosen = faces[place("up", face, len(faces), "part's faces")]
+        surface = BRepAdaptor_Surface(TopoDS.Face_s(chosen))
         if surface.GetType() != GeomAbs_Plane:
             raise SettingError("up", f"--up {face}: this face is not plane; name another")
         frame = surface.Plane().Position()
         axis = np.cross(frame.XDirection().Coord(), frame.YDirection().Coord())
-        return -axis if faces[face].Orientation() == TopAbs_REVERSED else axis
+        return -axis if chosen.Orientation() == TopAbs_REVERSED else axis
 
     def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
         """Some faces as triangles, by their numbers from 0, within `MESH_SAG` of them."""
         count = sum(1 for _ in subshapes(self.shape, FACE))
-        for face in faces:
-            if not 0 <= face < count:
-                raise SettingError("faces", f"face {face}: the part's faces are 0 to {count - 1}")
-        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN, faces)
+        chosen = tuple(place("face", face, count, "part's faces") for face in faces)
+        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN, chosen)
 
     def placed(self, placement: Placement) -> SolidPart:
         """The same solids, moved; where they are only shifted, their bounds go with them."""
@@ -118,7 +121,8 @@ class SolidPart:
         executor: Executor | None = None,
     ) -> Sequence[Section]:
         """Sections of the exact surfaces at ascending heights (mm); solids that meet are one."""
-        found = section_solids(prepared(self.shape), heights, chord_tolerance, executor)
+        planes = numbers("heights", heights)
+        found = section_solids(prepared(self.shape), planes, chord_tolerance, executor)
         return united(list(found), chord_tolerance, solids_meet(self.shape))
 
     def exact(self, layer: Layer) -> Layer:
@@ -150,7 +154,7 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
     try:
         box = true_bounds(solid)
     except KernelError as error:
-        raise KernelError(f"{where}: {error}") from error
+        raise KernelError(f"{where}: {error.message}") from error
     return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 

@@ -6,11 +6,15 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import overload
 
+from v3dcad.arguments import place
 from v3dcad.model import Layer
 
 
 class LayerSequence(Sequence[Layer]):
     """A sequence of layers whose `layer` makes one; negative indices count from the top."""
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} layers>"
 
     @abstractmethod
     def layer(self, index: int) -> Layer:
@@ -21,5 +25,6 @@ class LayerSequence(Sequence[Layer]):
     @overload
     def __getitem__(self, index: slice) -> list[Layer]: ...
     def __getitem__(self, index: int | slice) -> Layer | list[Layer]:
-        chosen = range(len(self))[index]
-        return self.layer(chosen) if isinstance(chosen, int) else [*map(self.layer, chosen)]
+        if isinstance(index, slice):
+            return [*map(self.layer, range(len(self))[index])]
+        return self.layer(place("layer", index, len(self), "layers", from_end=True))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from v3dcad.arguments import numbers
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Placement
 
@@ -32,11 +33,9 @@ def turned(degrees: Sequence[float]) -> Placement:
 
     `SettingError` unless there are three finite numbers.
     """
-    if len(degrees) != 3 or not np.all(np.isfinite(degrees)):
-        raise SettingError("rotate", "--rotate: give three angles in degrees, such as 90,0,0")
     rotation = np.eye(3)
-    for axis, angle in enumerate(degrees):
-        quarters, rest = divmod(float(angle), 90.0)
+    for axis, angle in enumerate(numbers("rotate", degrees, 3).tolist()):
+        quarters, rest = divmod(angle, 90.0)
         cosine, sine = np.cos(np.radians(rest)), np.sin(np.radians(rest))
         for _ in range(int(quarters % 4)):
             cosine, sine = -sine, cosine
@@ -57,13 +56,16 @@ def upward(direction: Floats) -> Placement:
     return Placement(np.eye(3) + tilt + tilt @ tilt / (1 + z), np.zeros(3))
 
 
-def layer_heights(top: float, layer_height: float) -> Floats:
-    """The heights 0, h, 2h, … below `top`, mm; `SettingError` where h is above the part."""
+def layer_heights(top: float, layer_height: float, above: float = 0.0) -> Floats:
+    """The heights a, a + h, a + 2h, … below `top`, mm, for sections `above` their layer's base.
+
+    Raises `SettingError` where h is above the part.
+    """
     if layer_height > top + TOP:
         raise SettingError(
             "layer_height",
             f"--layer-height {layer_height:g}: the part is only {top:g} mm high; "
             "give a smaller layer height",
         )
-    count = int(np.ceil((top - TOP) / layer_height))
-    return np.arange(float(max(count, 1))) * layer_height
+    count = int(np.ceil((top - above - TOP) / layer_height))
+    return np.arange(float(max(count, 1))) * layer_height + above

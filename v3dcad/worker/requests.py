@@ -209,7 +209,8 @@ class Work:
         height = self._optional("height", float)
         if height is None:
             return self._optional("layer", int) or 0
-        above = height / structure.settings.layer_height
+        settings = structure.settings
+        above = (height - settings.section_above()) / settings.layer_height
         return int(np.clip(round(above), 0, max(len(structure.layers) - 1, 0)))
 
     def _printing(self) -> PrintSettings:

@@ -118,7 +118,7 @@ def graded_sites(
                 places = _straightened(places, radii, inside, tau, seed, progress)
             _, reach = cell_reaches(places, *inside)
         except GeometryError as error:
-            failure = str(error)
+            failure = error.message
             continue
         sites = places[reach > 0] / squeezed  # those that may have a cell in the box
         progress("certifying walls", 0, 1)

@@ -780,6 +780,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Uzatma</translation>
     </message>
     <message>
+      <source>Heights</source>
+      <translation>Kesit yükseklikleri</translation>
+    </message>
+    <message>
       <source>Strict</source>
       <translation>Katı</translation>
     </message>
@@ -968,12 +972,20 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Yol</translation>
     </message>
     <message>
+      <source>Seam</source>
+      <translation>Dikiş</translation>
+    </message>
+    <message>
       <source>Bottom layers</source>
       <translation>Alt katmanlar</translation>
     </message>
     <message>
       <source>Top layers</source>
       <translation>Üst katmanlar</translation>
+    </message>
+    <message>
+      <source>Open</source>
+      <translation>Açık</translation>
     </message>
     <message>
       <source>Skirt loops</source>
@@ -1002,6 +1014,14 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Solid speed</source>
       <translation>Dolu katman hızı</translation>
+    </message>
+    <message>
+      <source>Bridge speed</source>
+      <translation>Köprü hızı</translation>
+    </message>
+    <message>
+      <source>Bridge flow</source>
+      <translation>Köprü akışı</translation>
     </message>
     <message>
       <source>Travel speed</source>
@@ -1070,6 +1090,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Fan</source>
       <translation>Fan</translation>
+    </message>
+    <message>
+      <source>Bridge fan</source>
+      <translation>Köprüde fan</translation>
     </message>
     <message>
       <source>Fan from layer</source>

@@ -1,0 +1,25 @@
+"""How a print is set: a machine profile and options, for all commands that trace one."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from v3dcad.options import given
+from v3dcad.settings import PrintSettings
+
+Profile = Annotated[
+    str | None,
+    typer.Option(metavar="NAME|TOML", help="Machine profile, as prusa-mk4, or a file of yours."),
+]
+
+
+def print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
+    """What a profile says, unless an option says otherwise."""
+    known: dict[str, Any] = {}
+    if profile is not None:
+        from v3dcad.formats.gcode.machine_profile import read_profile
+
+        known = read_profile(profile)
+    return PrintSettings(**{**known, **given(PrintSettings, settings)})

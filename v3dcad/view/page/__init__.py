@@ -1,0 +1,29 @@
+"""The page: a structure in one HTML file, which needs nothing else and nothing from outside.
+
+Python makes arrays of a structure and packs them; the modules in JavaScript beside it unpack and
+draw them in the browser.
+
+    segments    the layers as arrays: walls, contours, struts, trees, cells
+    motion      the toolpath as arrays
+    packing     arrays as text, small
+    document    the file, put together
+    serving     the page on 127.0.0.1, made again whenever a file changes
+
+The browser's side, from `main.js` down:
+
+    main.js       puts all the others together
+    state.js      what is shown: the one object that controls write and drawing reads
+    packed.js     arrays out of the text
+    structure.js  the arrays as layers, walls, cells
+    stage.js      canvas, camera and light; a frame is drawn when something changed
+    strokes.js    many segments in one draw call: as lines, or as strips one layer high
+    part.js       the part as a translucent skin
+    drawing.js    which strokes each target draws
+    cells.js      the cell at a point, its outline, area, neighbours
+    toolpath.js   the nozzle's way up to a moment
+    panel.js      the controls
+    facts.js      what is told of a cell
+    keys.js       the keyboard
+    live.js       a served page that loads itself again
+    three/        three.js, as it comes from npm, and its licence
+"""
