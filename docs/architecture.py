@@ -95,8 +95,8 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "arguments", "exports", "forms", "nearness", "ont", "pages", "parts",
-            "recipes", "report", "signatures", "slicing", "sources", "svg", "files", "version",
+            "pipeline", "arguments", "exports", "files", "forms", "nearness", "ont", "pages",
+            "parts", "recipes", "report", "signatures", "slicing", "sources", "svg", "version",
             "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,

@@ -67,11 +67,12 @@ def test_the_gallery_shows_each_of_its_pictures() -> None:
 def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cadquery_or_skip()
     monkeypatch.chdir(tmp_path)
-    (snippet,) = re.findall(r"```cadquery\n(.*?)```", GUIDE, re.S)
-    Path("guide.py").write_text(snippet, encoding="utf-8")
+    snippets = re.findall(r"```cadquery\n(.*?)```", GUIDE, re.S)
+    Path("guide.py").write_text("\n".join(snippets), encoding="utf-8")
     made = runpy.run_path("guide.py")
     whole = made["plate"].val().Volume()
-    assert sum(cell.Volume() for cell in made["cells"].vals()) == pytest.approx(whole, rel=1e-8)
+    for cells in (made["cells"], made["graded"]):
+        assert sum(cell.Volume() for cell in cells.vals()) == pytest.approx(whole, rel=1e-8)
     assert 0 < made["light"].val().Volume() < whole
     runpy.run_path(str(ROOT / "samples" / "scripts" / "cadquery_parts.py"))
     assert Path("cadquery_parts.step").stat().st_size > 10_000
@@ -83,6 +84,10 @@ def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.Monke
     [
         "lightened_bracket",
         "foam_and_columns",
+        "graded_bracket",
+        "graded_lamp",
+        "insole",
+        "stressed_bar",
         pytest.param("foam_lamp_shade", marks=pytest.mark.long),
     ],
 )

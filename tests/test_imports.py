@@ -24,7 +24,7 @@ MAY_IMPORT = {
     "geometry": INSIDE,
     "structure": INSIDE | {"structure"},
     "toolpath": INSIDE | {"toolpath"},
-    "fields": INSIDE | {"fields", "formats"},
+    "fields": INSIDE | {"fields"},
     **{folder: INSIDE | {folder} for folder in RIM},
     "sources": INSIDE,
     "parts": INSIDE | {"formats", "kernel", "sources"},

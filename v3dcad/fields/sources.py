@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from v3dcad.errors import FormatError, SettingError
+from v3dcad.errors import SettingError
 from v3dcad.fields.distance import distance_to
 from v3dcad.fields.expression import Source, field_of
 from v3dcad.fields.image import image_field
 from v3dcad.fields.scattered import interpolated
 from v3dcad.fields.stress import read_stress
-from v3dcad.fields.table import read_table
-from v3dcad.formats.mesh.stl import read_stl
-from v3dcad.model import Floats, Mesh, Part
+from v3dcad.fields.table import read_table, read_triangles
+from v3dcad.model import Floats, Part
 from v3dcad.settings import Field
 
 BEYOND = 0.5
@@ -56,7 +55,7 @@ def sources_of(part: Part) -> Mapping[str, Source]:
         return distance_to(part.face_mesh(tuple(numbers)))
 
     def distance(file: Any) -> Field:
-        return distance_to(_triangles_in(_path("distance", file)))
+        return distance_to(read_triangles(_path("distance", file)))
 
     def table(file: Any, column: Any = None) -> Field:
         if not isinstance(column, str | None):
@@ -112,15 +111,6 @@ def _path(name: str, file: Any) -> Path:
     if not isinstance(file, str) or "\0" in file:
         raise SettingError("cell_size", f"{name}: give a file, in quotes")
     return Path(file)
-
-
-def _triangles_in(path: Path) -> Mesh:
-    if path.suffix.lower() != ".stl":
-        raise FormatError("not triangles that can be read; give .stl", path=str(path))
-    try:
-        return read_stl(path)
-    except OSError as error:
-        raise FormatError(f"cannot be read ({error.strerror})", path=str(path)) from error
 
 
 def _refuse_elsewhere(name: str, points: Floats, bounds: Floats) -> None:
