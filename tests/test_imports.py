@@ -49,7 +49,7 @@ MAY_IMPORT = {
         "views",
     },
     "watched": set(),
-    "exports": INSIDE | {"pipeline"},
+    "exports": INSIDE | {"files", "pipeline"},
     "worker": INSIDE
     | {
         "exports",

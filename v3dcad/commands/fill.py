@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.estimate import estimated, tell
+from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
@@ -75,10 +77,14 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
+    from v3dcad.parts import ONT, check_readable
+    from v3dcad.recipes import known_settings
+
+    if part.suffix.lower() not in ONT:
+        known_settings(chosen)  # all that can be known before the part is read
     printing = _print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import export
-    from v3dcad.parts import check_readable
     from v3dcad.pipeline import fill as fill_part
 
     if sites_file is not None:
@@ -88,8 +94,14 @@ def fill(
         chosen["sites"] = read_sites(sites_file)
     with Progress() as progress:
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep) or part
-        structure = fill_part(source, verify=verify, progress=progress.step, **chosen)
+        source = part_of(part, rotate, up, repair, as_brep)
+        if source is not None and sites_file is None:
+            expected = estimated(source.bounds, known_settings(chosen))
+            if expected is not None:
+                progress.pause()
+                tell(expected, files.get("gcode"))
+                progress.go_on()
+        structure = fill_part(source or part, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
@@ -107,13 +119,18 @@ def fill(
 
 
 def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
-    """What a profile says, unless an option says otherwise."""
+    """What a profile says, unless an option says otherwise; `SettingError` for nonsense."""
     known: dict[str, Any] = {}
     if profile is not None:
         from v3dcad.formats.gcode.machine_profile import read_profile
 
         known = read_profile(profile)
-    return PrintSettings(**{**known, **given(PrintSettings, settings)})
+    from v3dcad.formats.gcode.blocks import check_blocks
+
+    chosen = PrintSettings(**{**known, **given(PrintSettings, settings)})
+    chosen.bed_size()
+    check_blocks(chosen)
+    return chosen
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
@@ -126,9 +143,7 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
             files[kind] = file
     if not files:
         raise SettingError("out", "nothing to write: give --out DIR, or a file such as --gcode F")
-    for kind, file in files.items():
-        if file.resolve() == part.resolve():
-            raise SettingError(kind, f"{file}: would overwrite the part itself; name another place")
+    check_outputs(part, files)
     return files
 
 
@@ -149,7 +164,8 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             *(("written", written_line(file)) for file in files.values()),
             *(("note", finding) for finding in structure.findings()),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
-        ]
+        ],
+        files.values(),
     )
 
 

@@ -13,6 +13,9 @@ SNAP = 1e-9
 """mm; a part that already lies this close to its place is not moved at all, so that placing a
 placed part changes no bit of it."""
 
+MOST_LAYERS = 1_000_000
+"""Ten metres of layers of 0.01 mm."""
+
 TOP = 1e-6
 """mm; a plane this close to the part's top cuts nothing off it and is not a layer."""
 
@@ -58,12 +61,22 @@ def upward(direction: Floats) -> Placement:
 
 
 def layer_heights(top: float, layer_height: float) -> Floats:
-    """The heights 0, h, 2h, … below `top`, mm; `SettingError` where h is above the part."""
+    """The heights 0, h, 2h, … below `top`, mm.
+
+    `SettingError` where h is above the part, or so small that they are more than `MOST_LAYERS`.
+    """
     if layer_height > top + TOP:
         raise SettingError(
             "layer_height",
             f"--layer-height {layer_height:g}: the part is only {top:g} mm high; "
             "give a smaller layer height",
         )
-    count = int(np.ceil((top - TOP) / layer_height))
+    layers = (top - TOP) / layer_height
+    if layers > MOST_LAYERS:
+        raise SettingError(
+            "layer_height",
+            f"--layer-height {layer_height:g}: {layers:.3g} layers, more than {MOST_LAYERS:,}; "
+            f"give at least {top / MOST_LAYERS:.2g}",
+        )
+    count = int(np.ceil(layers))
     return np.arange(float(max(count, 1))) * layer_height
