@@ -150,6 +150,12 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--method", "thesis", "--cell-size", 6], "--cell-size is a setting of --method foam"),
         (["--method", "thesis", "--stretch", 2], "--stretch is a setting of --method foam"),
         (["--bed", "220"], "such as 220x220"),
+        (["--layer-height", 1e-9], "--layer-height 1e-09: 3e+10 layers, more than 1,000,000"),
+        (["--minimum-edge", 100], "--minimum-edge 100.0: give a number of at most 2 mm"),
+        (["--acceleration", 1e-9], "--acceleration 1e-09: give a number of at least 1 mm/s²"),
+        (["--print-speed", 1e-9], "--print-speed 1e-09: give a number of at least 0.1 mm/s"),
+        (["--start-gcode", "{"], "--start-gcode: a brace by itself; write {name}"),
+        (["--end-gcode", "M84 {fan"], "--end-gcode: a brace by itself"),
         (["--bed", "30x220"], "10.00 mm too large in x"),
         (["--print-speed", 0], "--print-speed"),
         (["--chord-tolerance", 0], "--chord-tolerance 0.0: give a number above 0 mm"),
@@ -189,7 +195,7 @@ def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
 def test_mistakes_in_slicing(
     samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    cone, svg = samples / "cone.step", tmp_path / "a.svg"
+    cone, svg, gcode = samples / "cone.step", tmp_path / "a.svg", tmp_path / "a.gcode"
     assert "--step FILE or --svg FILE" in mistake(capsys, "slice", cone)
     assert "overwrite the part" in mistake(capsys, "slice", cone, "--step", cone)
     said = mistake(capsys, "slice", cone, "--svg", svg, "--chord-tolerance", 0)
@@ -198,10 +204,11 @@ def test_mistakes_in_slicing(
     ont.write_text("hello")
     assert "fill makes its structure" in mistake(capsys, "slice", ont, "--svg", svg)
     for command in ("slice", "fill"):
-        out = ("--svg", svg) if command == "slice" else ("--gcode", svg)
+        out = ("--svg", svg) if command == "slice" else ("--gcode", gcode)
         said = mistake(capsys, command, ont, *out, "--repair")
         assert "--repair: an .ont file holds its part" in said
     assert not svg.exists()
+    assert not gcode.exists()
 
 
 def test_a_mesh_with_a_hole_is_mended_where_asked(
@@ -328,7 +335,10 @@ def test_without_libgl_the_remedy_is_named(
     assert "apt-get install -y libgl1" in said
 
 
-def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+def test_signals_leave_nothing_behind(
+    number: str, code: int, samples: Path, tmp_path: Path
+) -> None:
     import signal
     import time
 
@@ -340,9 +350,9 @@ def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     while child.poll() is None and not (out.is_dir() and any(out.iterdir())):
         time.sleep(0.05)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(getattr(signal, number))
     _, said = child.communicate(timeout=30)
-    assert child.returncode == 130, said
+    assert child.returncode == code, said
     assert "Traceback" not in said
     assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"
 

@@ -55,7 +55,7 @@ MAY_IMPORT = {
         "views",
     },
     "watched": set(),
-    "exports": INSIDE | {"pipeline", "report"},
+    "exports": INSIDE | {"files", "pipeline", "report"},
     "worker": INSIDE
     | {
         "exports",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from typing import Annotated, Any, NoReturn
 
@@ -50,7 +51,14 @@ app.add_typer(printer.printer_app)
 
 
 def main() -> None:
-    """Run the command line; errors become one line on stderr and exit code 2, Ctrl-C code 130."""
+    """Run the command line; errors become one line on stderr and exit code 2, Ctrl-C code 130.
+
+    SIGTERM and SIGHUP end it as Ctrl-C does, so that no half-written file is left.
+    """
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, _end)
     try:
         sys.exit(app(prog_name="v3dcad", standalone_mode=False))
     except V3dcadError as error:
@@ -63,6 +71,10 @@ def main() -> None:
         sys.exit(1)
     except MemoryError:
         _fail("not enough memory for this: take larger cells, or layers farther apart")
+
+
+def _end(number: int, _: object) -> NoReturn:
+    sys.exit(128 + number)
 
 
 def _fail(message: str) -> NoReturn:

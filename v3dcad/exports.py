@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from v3dcad.errors import SettingError
+from v3dcad.files import is_stream
 from v3dcad.report import hours_text
 from v3dcad.settings import ExportSettings
 
@@ -24,6 +25,9 @@ KINDS = {
     "svg": (".svg",),
 }
 """Kinds of files, and how their names end."""
+
+PICTURES = (".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".pdf")
+"""How pictures end that are not written."""
 
 
 def kind_of(file: Path) -> str:
@@ -68,7 +72,9 @@ def export(
 
 
 def written_line(file: Path) -> str:
-    """A written file and its size."""
+    """A written file and its size; a device or pipe has none."""
+    if is_stream(file):
+        return f"{file}"
     return f"{file} ({file.stat().st_size:,} bytes)"
 
 

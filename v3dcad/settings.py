@@ -324,7 +324,7 @@ class PrintSettings(Checked):
         0.45,
         "Width of one extruded bead; a little more than the nozzle's diameter.",
         unit="mm",
-        above=0,
+        least=0.01,
         most=20,
     )
     bead_shape: str = setting(
@@ -333,22 +333,22 @@ class PrintSettings(Checked):
         choices=("rectangle", "rounded"),
     )
     flow: float = setting(
-        100.0, "Share of the computed material extruded.", unit="%", above=0, most=1000
+        100.0, "Share of the computed material extruded.", unit="%", least=1, most=1000
     )
     first_layer_height: float = setting(
-        0.2, "Height of the first layer's beads.", unit="mm", above=0, most=10
+        0.2, "Height of the first layer's beads.", unit="mm", least=0.01, most=10
     )
     first_layer_speed: float = setting(
-        20.0, "Speed while extruding the first layer.", unit="mm/s", above=0, most=2000
+        20.0, "Speed while extruding the first layer.", unit="mm/s", least=0.1, most=2000
     )
     first_layer_flow: float = setting(
-        100.0, "The same on the first layer, instead of `flow`.", unit="%", above=0, most=1000
+        100.0, "The same on the first layer, instead of `flow`.", unit="%", least=1, most=1000
     )
     overlap_compensation: bool = setting(
         False, "Extrude less where beads overlap at a junction, by the area they share."
     )
     minimum_edge: float = setting(
-        0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
+        0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0, most=2
     )
 
     contour: str = setting(
@@ -407,13 +407,13 @@ class PrintSettings(Checked):
     )
 
     print_speed: float = setting(
-        50.0, "Speed while extruding cells.", unit="mm/s", above=0, most=2000
+        50.0, "Speed while extruding cells.", unit="mm/s", least=0.1, most=2000
     )
     perimeter_speed: float = setting(
-        25.0, "Speed while extruding perimeters.", unit="mm/s", above=0, most=2000
+        25.0, "Speed while extruding perimeters.", unit="mm/s", least=0.1, most=2000
     )
     solid_speed: float = setting(
-        40.0, "Speed while extruding solid layers.", unit="mm/s", above=0, most=2000
+        40.0, "Speed while extruding solid layers.", unit="mm/s", least=0.1, most=2000
     )
     bridge_speed: float = setting(
         25.0,
@@ -430,7 +430,7 @@ class PrintSettings(Checked):
         most=1000,
     )
     travel_speed: float = setting(
-        150.0, "Speed while not extruding.", unit="mm/s", above=0, most=2000
+        150.0, "Speed while not extruding.", unit="mm/s", least=0.1, most=2000
     )
     minimum_layer_time: float = setting(
         8.0,
@@ -440,34 +440,34 @@ class PrintSettings(Checked):
         most=3600,
     )
     slowest_speed: float = setting(
-        10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", above=0, most=2000
+        10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", least=0.1, most=2000
     )
     most_flow: float = setting(
         15.0,
         "Most filament that the nozzle melts; it limits speeds.",
         unit="mm³/s",
-        above=0,
+        least=0.01,
         most=1000,
     )
-    z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", above=0, most=2000)
+    z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", least=0.1, most=2000)
     acceleration: float = setting(
-        500.0, "Acceleration of every move.", unit="mm/s²", above=0, most=1_000_000
+        500.0, "Acceleration of every move.", unit="mm/s²", least=1, most=1_000_000
     )
     corner_speed: float = setting(
         8.0, "Speed at which a right-angled corner is taken.", unit="mm/s", least=0, most=2000
     )
 
     filament_diameter: float = setting(
-        1.75, "Diameter of the filament.", unit="mm", above=0, most=20
+        1.75, "Diameter of the filament.", unit="mm", least=0.1, most=20
     )
     filament_density: float = setting(
-        1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", above=0, most=25
+        1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", least=0.01, most=25
     )
     retraction: float = setting(
         5.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
     )
     retraction_speed: float = setting(
-        40.0, "Speed of the filament when it is pulled back.", unit="mm/s", above=0, most=2000
+        40.0, "Speed of the filament when it is pulled back.", unit="mm/s", least=0.1, most=2000
     )
     retraction_travel: float = setting(
         1.5, "Shorter travels are made without retraction.", unit="mm", least=0

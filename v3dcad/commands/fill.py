@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.estimate import estimated, tell
+from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
@@ -71,6 +73,11 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
+    from v3dcad.parts import ONT, check_readable
+    from v3dcad.recipes import known_settings
+
+    if part.suffix.lower() not in ONT:
+        known_settings(chosen)  # all that can be known before the part is read
     printing = print_settings(profile, settings)
     # Loading, filling, the certificate (with the report), and each other file.
     steps = 3 + len(files.keys() - {"report"})
@@ -78,7 +85,6 @@ def fill(
         progress.start("loading the engine")
         load_engine()
         from v3dcad.exports import export
-        from v3dcad.parts import check_readable
         from v3dcad.pipeline import fill as fill_part
 
         if sites_file is not None:
@@ -87,8 +93,14 @@ def fill(
             check_readable(sites_file)
             chosen["sites"] = read_sites(sites_file)
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep) or part
-        structure = fill_part(source, verify=verify, progress=progress.step, **chosen)
+        source = part_of(part, rotate, up, repair, as_brep)
+        if source is not None and sites_file is None:
+            expected = estimated(source.bounds, known_settings(chosen))
+            if expected is not None:
+                progress.pause()
+                tell(expected, files.get("gcode"))
+                progress.go_on()
+        structure = fill_part(source or part, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
@@ -116,9 +128,7 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
             files[kind] = file
     if not files:
         raise SettingError("out", "nothing to write: give --out DIR, or a file such as --gcode F")
-    for kind, file in files.items():
-        if file.resolve() == part.resolve():
-            raise SettingError(kind, f"{file}: would overwrite the part itself; name another place")
+    check_outputs(part, files)
     return files
 
 
@@ -139,7 +149,8 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             *(("written", written_line(file)) for file in files.values()),
             *(("note", finding) for finding in structure.findings()),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
-        ]
+        ],
+        files.values(),
     )
 
 

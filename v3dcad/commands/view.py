@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
 from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
@@ -72,15 +73,13 @@ def view(
     if serve and files:
         kind = next(iter(files))
         raise SettingError(kind, f"--serve keeps the page in memory; leave out --{kind}")
-    for kind, file in files.items():
-        if file.resolve() == part.resolve():
-            message = f"{file}: would overwrite the part itself; name another place"
-            raise SettingError(kind, message)
+    check_outputs(part, files)
     if target not in TARGETS:
         raise SettingError("target", f"--target {target}: give {', '.join(TARGETS)}")
     chosen = given(FillSettings, settings)
     printing = print_settings(profile, settings)
     load_engine()
+    from v3dcad.exports import written_line
     from v3dcad.files import written_beside
     from v3dcad.pipeline import fill
     from v3dcad.view.page.first import First
@@ -115,6 +114,6 @@ def view(
                         target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
                     )
                 )
-    print_rows(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files.values())
+    print_rows([("written", written_line(file)) for file in files.values()], files.values())
     if "html" in files:
         show_file(files["html"], opens)

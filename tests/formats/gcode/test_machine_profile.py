@@ -85,7 +85,7 @@ def test_the_users_own_file(tmp_path: Path) -> None:
         (b"arcs = 1", "arcs = 1: give true or false"),
         (b"perimeters = 1.5", "perimeters = 1.5: give a whole number"),
         (b"perimeters = true", "perimeters = True: give a whole number"),
-        (b"flow = -5", r"flow: flow -5.*above 0 %"),
+        (b"flow = -5", r"flow: flow -5.*at least 1 %"),
         (b"flow = inf", "give a finite number"),
         (b'route = "spiral"', "route: route spiral: give"),
         (b'bed = "wide"', "write two lengths"),
