@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
-from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.part_options import (
+    AsBrep,
+    PartFile,
+    Repair,
+    Rotate,
+    Scale,
+    Unit,
+    Up,
+    part_of,
+)
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
@@ -67,6 +76,8 @@ def fill(
     up: Up = None,
     repair: Repair = False,
     as_brep: AsBrep = False,
+    unit: Unit = None,
+    scale: Scale = None,
     **settings: Any,
 ) -> None:
     """Fill PART and write .ont, G-code, STEP, a picture and a report."""
@@ -88,7 +99,7 @@ def fill(
         chosen["sites"] = read_sites(sites_file)
     with Progress() as progress:
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep) or part
+        source = part_of(part, rotate, up, repair, as_brep, unit, scale) or part
         structure = fill_part(source, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
@@ -167,8 +178,9 @@ def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def info(file: PartFile) -> None:
+def info(file: PartFile, repair: Repair = False, unit: Unit = None, scale: Scale = None) -> None:
     """Tell what a part or an .ont file holds."""
-    from v3dcad.recipes import describe
+    from v3dcad.recipes import describe, describe_ont
 
-    print_rows(describe(file).items())
+    part = part_of(file, repair=repair, unit=unit, scale=scale)
+    print_rows((describe_ont(file) if part is None else describe(part)).items())

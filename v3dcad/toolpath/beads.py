@@ -11,8 +11,10 @@ import numpy as np
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
+    CELLS,
     EXTRUDE,
     FEATURES,
+    INNER_PERIMETER,
     NO_FEATURE,
     PERIMETER,
     RETRACED,
@@ -33,6 +35,9 @@ from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.travel import Traveller
 
+OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID)
+"""Features of which a part is made; a skirt and a brim are none."""
+
 APPROACH = 5.0
 """mm above the first layer at which the nozzle comes to the part."""
 
@@ -47,9 +52,11 @@ def trace(
     A layer is printed at its section's height plus the first layer's height, in the layers'
     own coordinates; its beads fill the height to the layer below. `report` is told of each
     layer as soon as it is traced. Layers are held only as long as it takes to know whether
-    they are among the top ones. Raises `GeometryError` where layers do not ascend.
+    they are among the top ones. Raises `GeometryError` where layers do not ascend, and at the end
+    where nothing but a skirt was printed.
     """
     nozzle, bridged = Nozzle(settings), Bridged()
+    printed = False
     for layer, solid in _solid_marked(layers, settings):
         area = section_area(layer.section)
         first = nozzle.level == 0
@@ -63,9 +70,15 @@ def trace(
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
+        printed |= bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             report(layer_report(toolpath, before, strokes, plan, seconds))
         yield toolpath
+    if nozzle.level > 0 and not printed:
+        raise GeometryError(
+            f"nothing of the part is printed: all of it is narrower than beads of "
+            f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
+        )
 
 
 def bead_area(width: float, height: float, shape: str) -> float:
