@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from build123d import Box, export_step
 
 from v3dcad.cli import main
 from v3dcad.commands.compiling import NOTICE
@@ -444,3 +445,30 @@ def test_view_takes_no_file_of_another_kind(
     other.write_text("hello", encoding="utf-8")
     assert "not a kind of file that can be filled" in mistake(capsys, "view", other, "--png", png)
     assert "would overwrite the part itself" in mistake(capsys, "view", other, "--png", other)
+
+
+def test_unit_and_scale(capsys: pytest.CaptureFixture[str], samples: Path, tmp_path: Path) -> None:
+    pyramid = samples / "pyramid.stl"
+
+    def size(*words: object) -> float:
+        done = run("info", pyramid, *words)
+        assert done.returncode == 0, done.stderr
+        (row,) = (row for row in done.stdout.splitlines() if row.startswith("size"))
+        return float(row.split()[1])
+
+    assert size("--unit", "inch", "--scale", 2) == pytest.approx(50.8 * size(), rel=1e-4)
+    assert "states its unit" in mistake(capsys, "info", samples / "bracket.step", "--unit", "cm")
+    (tmp_path / "a.ont").touch()
+    for words in (["--unit", "mm"], ["--scale", 1], ["--repair"]):
+        said = mistake(capsys, "info", tmp_path / "a.ont", *words)
+        assert "holds its part as it was filled" in said
+
+
+@pytest.mark.parametrize("size", [(0.3, 0.3, 0.3), (20.0, 0.15, 1.0)])
+def test_a_part_of_which_nothing_is_printed(
+    size: tuple[float, ...], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    export_step(Box(*size), tmp_path / "a.step")
+    said = mistake(capsys, "fill", tmp_path / "a.step", "--out", tmp_path / "out")
+    assert "nothing of the part is printed: all of it is narrower than beads of 0.45 mm" in said
+    assert not list((tmp_path / "out").iterdir())

@@ -14,7 +14,7 @@ from v3dcad.arguments import rows
 from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Floats, Mesh, Part, Recipe
-from v3dcad.parts import MeshPart, check_readable, part_from
+from v3dcad.parts import MeshPart, check_readable
 from v3dcad.settings import FillSettings, declared
 
 BOUNDARIES = ("stl", "exact")
@@ -196,13 +196,15 @@ def told(recipe: Recipe) -> dict[str, str]:
     }
 
 
-def describe(path: Path) -> dict[str, str]:
-    """What a part or an `.ont` file holds, as lines to show."""
-    if path.suffix.lower() == ".ont":
-        recipe = read_ont(path)
-        part, held = part_of(recipe), told(recipe)
-    else:
-        part = part_from(path)
+def describe_ont(path: Path) -> dict[str, str]:
+    """What an `.ont` file holds, as lines to show."""
+    recipe = read_ont(path)
+    return describe(part_of(recipe), told(recipe))
+
+
+def describe(part: Part, held: dict[str, str] | None = None) -> dict[str, str]:
+    """What a part is, as lines to show; `held` is what is said of it first."""
+    if held is None:
         held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
     low, high = part.bounds
     corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]

@@ -24,6 +24,10 @@ Field = Callable[[Any, Any, Any], Any]
 """What differs from place to place: values (n,) at x, y and z (n,), mm, where the source lies."""
 
 
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4, "foot": 304.8}
+"""Units that the coordinates of a file may be counted in, mm."""
+
+
 @dataclass(frozen=True, slots=True)
 class Declared:
     """What is known of one setting besides its type and default."""

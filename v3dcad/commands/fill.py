@@ -11,7 +11,16 @@ import typer
 from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.estimate import estimated, tell
 from v3dcad.commands.outputs import check_outputs
-from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.part_options import (
+    AsBrep,
+    PartFile,
+    Repair,
+    Rotate,
+    Scale,
+    Unit,
+    Up,
+    part_of,
+)
 from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
@@ -65,6 +74,8 @@ def fill(
     up: Up = None,
     repair: Repair = False,
     as_brep: AsBrep = False,
+    unit: Unit = None,
+    scale: Scale = None,
     **settings: Any,
 ) -> None:
     """Fill PART and write .ont, G-code, STEP, a picture and a report."""
@@ -93,7 +104,7 @@ def fill(
             check_readable(sites_file)
             chosen["sites"] = read_sites(sites_file)
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep)
+        source = part_of(part, rotate, up, repair, as_brep, unit, scale)
         if source is not None and sites_file is None:
             expected = estimated(source.bounds, known_settings(chosen))
             if expected is not None:
@@ -168,8 +179,9 @@ def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def info(file: PartFile) -> None:
+def info(file: PartFile, repair: Repair = False, unit: Unit = None, scale: Scale = None) -> None:
     """Tell what a part or an .ont file holds."""
-    from v3dcad.recipes import describe
+    from v3dcad.recipes import describe, describe_ont
 
-    print_rows(describe(file).items())
+    part = part_of(file, repair=repair, unit=unit, scale=scale)
+    print_rows((describe_ont(file) if part is None else describe(part)).items())

@@ -10,7 +10,16 @@ import typer
 
 from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.outputs import check_outputs
-from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.part_options import (
+    AsBrep,
+    PartFile,
+    Repair,
+    Rotate,
+    Scale,
+    Unit,
+    Up,
+    part_of,
+)
 from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
@@ -60,6 +69,8 @@ def view(
     up: Up = None,
     repair: Repair = False,
     as_brep: AsBrep = False,
+    unit: Unit = None,
+    scale: Scale = None,
     **settings: Any,
 ) -> None:
     """Show PART, filled: a page in the browser, or pictures of what a target shows."""
@@ -86,7 +97,7 @@ def view(
 
     def filled(progress: Progress) -> Structure:
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep) or part
+        source = part_of(part, rotate, up, repair, as_brep, unit, scale) or part
         structure = fill(source, verify=verify, progress=progress.step, **chosen)
         return replace(structure, layers=progress.watch(structure.layers))
 

@@ -37,6 +37,7 @@ from v3dcad.kernel.shapes import (
     bounds,
     compound,
     location,
+    scaled,
     subshapes,
     volume,
 )
@@ -134,14 +135,18 @@ class SolidPart:
         return triangle_mesh(one_body(self.shape), MESH_SAG, MESH_TURN)
 
 
-def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
+def solid_part(shape: TopoDS_Shape, name: str, where: str, factor: float = 1.0) -> SolidPart:
     """The solids of any shape as a part, healed where OCCT finds faults in them.
+
+    They are made larger by `factor`, about the origin.
 
     Solids that are inside out are turned; faces that enclose something without being a solid are
     sewn. Findings say what was left out, turned, sewn and healed. `KernelError`, naming `where`, if
     the shape holds no solid, or one that is not closed.
     """
     findings: list[str] = []
+    if factor != 1:
+        shape = scaled(shape, factor)
     solids = [upright(solid, findings) for solid in subshapes(shape, SOLID)]
     if solids:
         stray = sum(1 for _ in subshapes(shape, FACE, SOLID))

@@ -49,6 +49,8 @@ def fill_sections(
     """
     refuse_heights(sections)
     refuse_rings(sections)
+    if len(sections) and not any(section.rings for section in sections):
+        raise GeometryError("no section has a ring: there is nothing to fill")
     if box is None:
         box = rings_box(sections)
         if not np.isfinite(box).all():

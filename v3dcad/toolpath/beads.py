@@ -11,8 +11,10 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.model import (
     BRIDGE,
+    CELLS,
     EXTRUDE,
     FEATURES,
+    INNER_PERIMETER,
     NO_FEATURE,
     PERIMETER,
     RETRACED,
@@ -36,6 +38,9 @@ from v3dcad.toolpath.skins import shells
 from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.travel import Traveller
 
+OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
+"""Features of which a part is made; a skirt and a brim are none."""
+
 APPROACH = 5.0
 """mm above the first layer at which the nozzle comes to the part."""
 
@@ -51,10 +56,12 @@ def trace(
     the others as far above it as their sections are, each filling the height to the one below.
     Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
     Layers are held only as long as it takes to know whether they are among the top ones. Raises
-    `GeometryError` where layers do not ascend.
+    `GeometryError` where layers do not ascend, and at the end where nothing of the part was
+    printed.
     """
     nozzle, bridged, seams = Nozzle(settings), Bridged(), Seams(settings.seam)
     below: Below | None = None
+    traced = made = False
     for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
         first = nozzle.level == 0
         if printed:
@@ -71,10 +78,16 @@ def trace(
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
+        traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             level = nozzle.level if printed else 0.0
             report(layer_report(toolpath, before, strokes, plan, seconds, level))
         yield toolpath
+    if traced and not made:
+        raise GeometryError(
+            f"nothing of the part is printed: all of it is narrower than beads of "
+            f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
+        )
 
 
 def bead_area(width: float, height: float, shape: str) -> float:
