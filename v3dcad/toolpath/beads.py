@@ -31,7 +31,7 @@ from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import printed_areas
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
-from v3dcad.toolpath.stroke import Stroke
+from v3dcad.toolpath.stroke import Stroke, capped
 from v3dcad.toolpath.travel import Traveller
 
 APPROACH = 5.0
@@ -57,17 +57,17 @@ def trace(
         if printed:
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         plan = Plan(layer, area, settings, solid, first, nozzle.spacing, bridged)
-        before, strokes = nozzle.position, 0
-        for stroke in plan.strokes(before[:2]) if printed else ():
+        before = nozzle.position
+        strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
+        for stroke in strokes:
             nozzle.print(stroke)
-            strokes += 1
         toolpath = nozzle.taken(layer.index)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         if report is not None:
             level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, strokes, plan, seconds, level))
+            report(layer_report(toolpath, before, len(strokes), plan, seconds, level))
         yield toolpath
 
 
