@@ -50,7 +50,7 @@ COMMANDS = {
     "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",
     "tree": f"fill SAMPLES/islands.step --gcode p.gcode --route tree --contour centre {COARSE}",
     "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
-    f"--perimeters 2 --bead-shape rounded --overlap-compensation {COARSE}",
+    f"--perimeters 2 --bead-shape rounded {COARSE}",
     "klipper": f"fill SAMPLES/islands.step --gcode p.gcode --profile generic-klipper {COARSE}",
     "turned": f"fill SAMPLES/bracket.step --ont p.ont --step p.step --up x --rotate 0,0,9 {COARSE}",
     "as-brep": "fill SAMPLES/pyramid.stl --as-brep --ont p.ont --step p.step --layer-height 2",

@@ -348,9 +348,6 @@ class PrintSettings(Checked):
     first_layer_flow: float = setting(
         100.0, "The same on the first layer, instead of `flow`.", unit="%", least=1, most=1000
     )
-    overlap_compensation: bool = setting(
-        False, "Extrude less where beads overlap at a junction, by the area they share."
-    )
     minimum_edge: float = setting(
         0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0, most=2
     )

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 import shapely
@@ -15,26 +13,12 @@ from v3dcad.toolpath.graph import (
     PathGraph,
     diagram_graph,
     loops_graph,
-    shared_length,
     with_short_edges_joined,
 )
 from v3dcad.toolpath.perimeters import inset, loops, with_arcs
 from v3dcad.toolpath.trim import trimmed
 
 lean = settings(max_examples=25, deadline=None, derandomize=True)
-
-
-def star(angles: list[float], reach: float = 10.0) -> PathGraph:
-    """Edges that leave one junction at the given angles."""
-    tips = reach * np.array([[math.cos(a), math.sin(a)] for a in angles])
-    edges = np.array([[0, number + 1] for number in range(len(angles))])
-    return PathGraph(
-        np.vstack([[0.0, 0.0], tips]),
-        edges,
-        np.full(len(edges), CELLS, dtype=np.int8),
-        np.full(edges.shape, -1),
-        np.full(edges.shape, np.nan),
-    )
 
 
 def lines(graph: PathGraph, feature: int) -> shapely.Geometry:
@@ -120,26 +104,6 @@ def test_nothing_is_joined_where_nothing_is_short() -> None:
     joined, count = with_short_edges_joined(graph, 1e-9)
     assert count == 0
     assert joined is graph
-
-
-@pytest.mark.parametrize("angles", [[90, 210, 330], [0, 100, 220], [0, 90, 180, 270]])
-def test_shared_length_is_what_beads_cover_twice(angles: list[float]) -> None:
-    width = 0.8
-    graph = star([math.radians(angle) for angle in angles])
-    ends = graph.vertices[graph.edges]
-    beads = [line.buffer(width / 2, cap_style="flat") for line in shapely.linestrings(ends)]
-    once, union = sum(bead.area for bead in beads), shapely.union_all(beads).area
-    shared = shared_length(graph, width).sum() * width
-    assert shared == pytest.approx(once - union, rel=1e-6)
-
-
-def test_a_bend_alone_shares_nothing() -> None:
-    assert shared_length(star([0.0, 2.0]), 0.8) == pytest.approx([0, 0])
-
-
-def test_at_most_half_an_edge_is_shared() -> None:
-    graph = star([0.0, 0.01, 0.02], reach=1.0)
-    assert (shared_length(graph, 0.8) <= graph.lengths() / 2).all()
 
 
 def test_arcs_are_found_again_inside_the_contour() -> None:

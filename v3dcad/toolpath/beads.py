@@ -35,7 +35,7 @@ from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import shells
-from v3dcad.toolpath.stroke import Stroke
+from v3dcad.toolpath.stroke import Stroke, capped
 from v3dcad.toolpath.travel import Traveller
 
 OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
@@ -68,10 +68,10 @@ def trace(
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         seams.rise()
         plan = Plan(layer, area, skin, settings, first, nozzle.spacing, bridged, seams, below)
-        before, strokes = nozzle.position, 0
-        for stroke in plan.strokes(before[:2]) if printed else ():
+        before = nozzle.position
+        strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
+        for stroke in strokes:
             nozzle.print(stroke)
-            strokes += 1
         if printed:
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
         toolpath = nozzle.taken(layer.index)
@@ -81,7 +81,7 @@ def trace(
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, strokes, plan, seconds, level))
+            report(layer_report(toolpath, before, len(strokes), plan, seconds, level))
         yield toolpath
     if traced and not made:
         raise GeometryError(

@@ -126,30 +126,3 @@ def _contracted(graph: PathGraph, short: Ints, minimum: float) -> PathGraph:
         graph.sites[chosen],
         graph.centre[chosen],
     )
-
-
-def shared_length(graph: PathGraph, width: float) -> Floats:
-    """(e,) mm of bead that each edge need not extrude, as its neighbours already fill it.
-
-    Between two beads of width w that leave a junction at the angle φ, both cover a kite of the
-    area (w/2)² / tan(φ/2); beyond φ = π the term is negative and is the notch left open on the
-    outside of a bend, so a bend alone comes out even. Each bead bears half of the kites beside
-    it, and at most half its length.
-    """
-    ends = graph.edges.ravel()
-    edge = np.repeat(np.arange(len(graph.edges)), 2)
-    away = graph.vertices[graph.edges[:, ::-1].ravel()] - graph.vertices[ends]
-    order = np.lexsort((np.arctan2(away[:, 1], away[:, 0]), ends))
-    degrees = graph.degrees()
-    first = (np.cumsum(degrees) - degrees)[ends[order]]
-    place = np.arange(len(order))
-    following = order[first + (place - first + 1) % degrees[ends[order]]]
-    direction = np.arctan2(away[:, 1], away[:, 0])
-    angle = (direction[following] - direction[order]) % (2 * np.pi)
-    # A dead end has the whole turn to itself, and shares nothing.
-    alone = following == order
-    kite = np.where(alone, 0.0, (width / 2) ** 2 / np.tan(np.where(alone, np.pi, angle) / 2))
-    shared = np.bincount(edge[order], kite / 2, len(graph.edges))
-    shared += np.bincount(edge[following], kite / 2, len(graph.edges))
-    half = graph.lengths() / 2
-    return np.asarray(np.clip(shared / width, -half, half))

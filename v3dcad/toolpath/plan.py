@@ -27,7 +27,6 @@ from v3dcad.toolpath.graph import (
     PathGraph,
     diagram_graph,
     loops_graph,
-    shared_length,
     with_short_edges_joined,
 )
 from v3dcad.toolpath.joined_route import joined_strokes
@@ -168,8 +167,6 @@ class Plan:
         join = minimum_join(graph)
         self.least_retraced += join.length
         laid = graph.lengths()
-        if self.settings.overlap_compensation:
-            laid = laid - shared_length(graph, self.settings.bead_width)
         tree = self.layer.tree if self.settings.route == "tree" else NO_TREE
         for walk in walks(graph, self.settings.route, join, self.here, tree):
             yield self._moved_to(_stroke(graph, walk, laid))

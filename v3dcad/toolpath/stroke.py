@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
-from v3dcad.model import Bytes, Floats
+import numpy as np
+
+from v3dcad.geometry.loops.coverage import covered
+from v3dcad.model import RETRACED, Bytes, Floats
 
 
 class Stroke(NamedTuple):
@@ -18,3 +22,27 @@ class Stroke(NamedTuple):
     feature: Bytes
     laid: Floats
     centre: Floats
+
+
+def capped(strokes: Sequence[Stroke], spacing: float) -> list[Stroke]:
+    """The strokes of a layer with no more bead than there is room for, beads `spacing` (mm) wide.
+
+    Where beads come nearer to each other than that, as in narrow tips, thin parts and junctions of
+    walls of one bead, each gets what lies nearest to it.
+    """
+    if not strokes:
+        return []
+    laid = [stroke.feature != RETRACED for stroke in strokes]
+    share = covered(
+        np.concatenate([stroke.points[:-1][on] for stroke, on in zip(strokes, laid, strict=True)]),
+        np.concatenate([stroke.points[1:][on] for stroke, on in zip(strokes, laid, strict=True)]),
+        np.repeat(np.arange(len(strokes)), [int(on.sum()) for on in laid]),
+        spacing,
+    )
+    ends = np.cumsum([on.sum() for on in laid])[:-1]
+    fed = []
+    for stroke, on, part in zip(strokes, laid, np.split(share, ends), strict=True):
+        amount = stroke.laid.copy()
+        amount[on] *= part
+        fed.append(stroke._replace(laid=amount))
+    return fed
