@@ -84,7 +84,9 @@ def wall_strips(layer: Layer, rise: float, values: Floats, corner: Floats | None
     diagram = layer.diagram
     inner = diagram.inner()
     lower = diagram.vertices[diagram.edges[inner]]
-    upper = _uncrossed(lower, lower + rise * _drifts(layer)[diagram.edges[inner]])
+    farthest = layer.area_per_cell**0.5 / 3  # farther on, other walls meet
+    drift = np.clip(rise * _drifts(layer), -farthest, farthest)
+    upper = _uncrossed(lower, lower + drift[diagram.edges[inner]])
     count = len(lower)
     which, cut = np.arange(count), np.zeros((count, 2), np.bool_)
     if corner is not None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.patches import Patch
 
-MOST_STRIPS, MOST_LAYERS = 40_000, 100
+MOST_STRIPS, MOST_LAYERS = 100_000, 100
 """About how many strips, and how many layers, are painted: of more, every so many layers."""
 
 LIGHT = np.array([0.35, -0.45, 0.82])
