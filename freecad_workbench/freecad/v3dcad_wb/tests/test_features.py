@@ -169,7 +169,6 @@ class Features(unittest.TestCase):
         fill.StressResult = result
         self.doc.recompute()
         self.assertIn("Result has no von Mises stress", fill.Status)
-        result.addProperty("App::PropertyIntegerList", "NodeNumbers")
         result.addProperty("App::PropertyFloatList", "vonMises")
         result.NodeNumbers = list(range(1, 9))
         result.vonMises = [10.0 if corner[0] == 5 else 0.0 for corner in corners]
