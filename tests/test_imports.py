@@ -94,6 +94,7 @@ MAY_IMPORT = {
 GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
+    "drawing": set(),
     "graphs": set(),
     "section_area": set(),
     "print_time": {"arcs", "compiled"},

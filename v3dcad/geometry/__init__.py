@@ -6,7 +6,7 @@ voronoi                   the walls of sites in space
 graphs                    spanning trees, trails
 surface, mesh             sections of true surfaces and of triangles
 solid                     facets, convex cells, bars
-arcs, section_area, print_time
+arcs, drawing, section_area, print_time
                           arcs in polylines, sections as shapely areas, how long moves take
 """
 
