@@ -11,8 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from build123d import Box, export_step
 
 from v3dcad.cli import main
+from v3dcad.commands.compiling import NOTICE
 from v3dcad.report import certificate_line, foam_lines
 from v3dcad.settings import FillSettings, declared, option
 
@@ -43,7 +45,7 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
         with pytest.raises(SystemExit) as stop:
             main()
     assert stop.value.code == 2
-    said = capsys.readouterr().err
+    said = capsys.readouterr().err.removeprefix(f"{NOTICE}\n")
     assert said.count("\n") == 1, said
     assert said.startswith("v3dcad: ")
     return said
@@ -52,7 +54,7 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
 def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None:
     done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 4)
     assert done.returncode == 0, done.stderr
-    assert done.stderr == "", "no progress in a pipe"
+    assert done.stderr.removeprefix(f"{NOTICE}\n") == "filling bracket.step\n"
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == [f"bracket.{end}" for end in ("gcode", "json", "ont", "png", "step")]
     for word in ("layers", "cells", "steepest", "wall length", *files):
@@ -113,7 +115,7 @@ def test_warm_up_says_when_it_is_done() -> None:
     done = run("warm-up")
     assert done.returncode == 0, done.stderr
     assert done.stdout == "the engine is compiled\n"
-    assert done.stderr == "", "nothing is announced in a pipe"
+    assert done.stderr in ("", f"{NOTICE}\n")
 
 
 def test_info_tells_what_a_part_holds(samples: Path) -> None:
@@ -159,7 +161,7 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--print-speed", 0], "--print-speed"),
         (["--chord-tolerance", 0], "--chord-tolerance 0.0: give a number above 0 mm"),
         (["--base-clearance", -1], "--base-clearance -1"),
-        (["--rotate", "1,2"], "--rotate: give three angles"),
+        (["--rotate", "1,2"], "--rotate 1,2: give three angles"),
         (["--rotate", "1,2,x"], "such as 90,0,0"),
         (["--up", "w"], "--up w: give x, y, z or the number of a face"),
         (["--up", 9], "the part's faces are 0 to 2"),
@@ -184,7 +186,7 @@ def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
         *("--step", tmp_path / "a.step", "--svg", tmp_path / "a.svg"),
     )
     assert done.returncode == 0, done.stderr
-    assert done.stderr == "", "no progress in a pipe"
+    assert done.stderr.removeprefix(f"{NOTICE}\n") == "cutting bracket.step\n"
     for line in ("sections      30", "contours      44, at most 3", "a.step (", "a.svg ("):
         assert line in done.stdout
     assert (tmp_path / "a.svg").read_text().count("<path") == 30
@@ -396,3 +398,77 @@ def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
     assert run("fill", samples / "cone.step", "--layer-height", 5, *again).returncode == 0
     adjusted = run("nc", "adjust", gcode, tmp_path / "c.gcode", "--retraction", 1)
     assert "hops" in adjusted.stdout
+
+
+def test_view_draws_pictures(samples: Path, tmp_path: Path) -> None:
+    png, svg = tmp_path / "a.png", tmp_path / "a.svg"
+    how = ("--layer-height", 5, "--cell-size", 12)
+    done = run(
+        *("view", samples / "pyramid.stl", "--target", "layer", "--layer", 3, "--ids", *how),
+        *("--png", png, "--svg", svg),
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("written") == 2
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert "layer 3, " in svg.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "nothing to draw: give --png FILE or --svg FILE"),
+        (("--svg", "a.svg", "--target", "none"), "--target none: give full, layer, cell, "),
+        (("--svg", "a.svg", "--target", "layer", "--layer", 99), "the layers are 0 to 4"),
+        (("--svg", "a.svg", "--target", "cell"), "no cell is chosen: the cells of layer 2 are "),
+        (("--svg", "a.svg", "--target", "cell", "--cell", 9999), "cell 9999: the cells of layer 2"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told_in_one_line(
+    words: tuple[object, ...],
+    said: str,
+    samples: Path,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert said in mistake(
+        capsys, "view", samples / "pyramid.stl", "--layer-height", 10, "--cell-size", 12, *words
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_view_takes_no_file_of_another_kind(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    other, png = tmp_path / "a.txt", tmp_path / "a.png"
+    other.write_text("hello", encoding="utf-8")
+    assert "not a kind of file that can be filled" in mistake(capsys, "view", other, "--png", png)
+    assert "would overwrite the part itself" in mistake(capsys, "view", other, "--png", other)
+
+
+def test_unit_and_scale(capsys: pytest.CaptureFixture[str], samples: Path, tmp_path: Path) -> None:
+    pyramid = samples / "pyramid.stl"
+
+    def size(*words: object) -> float:
+        done = run("info", pyramid, *words)
+        assert done.returncode == 0, done.stderr
+        (row,) = (row for row in done.stdout.splitlines() if row.startswith("size"))
+        return float(row.split()[1])
+
+    assert size("--unit", "inch", "--scale", 2) == pytest.approx(50.8 * size(), rel=1e-4)
+    assert "states its unit" in mistake(capsys, "info", samples / "bracket.step", "--unit", "cm")
+    (tmp_path / "a.ont").touch()
+    for words in (["--unit", "mm"], ["--scale", 1], ["--repair"]):
+        said = mistake(capsys, "info", tmp_path / "a.ont", *words)
+        assert "holds its part as it was filled" in said
+
+
+@pytest.mark.parametrize("size", [(0.3, 0.3, 0.3), (20.0, 0.15, 1.0)])
+def test_a_part_of_which_nothing_is_printed(
+    size: tuple[float, ...], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    export_step(Box(*size), tmp_path / "a.step")
+    said = mistake(capsys, "fill", tmp_path / "a.step", "--out", tmp_path / "out")
+    assert "nothing of the part is printed: all of it is narrower than beads of 0.45 mm" in said
+    assert not list((tmp_path / "out").iterdir())

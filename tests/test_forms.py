@@ -36,7 +36,7 @@ def part() -> Box:
 
 @pytest.fixture(scope="module")
 def structure() -> Structure:
-    return v3dcad.fill(part(), **SETTINGS)
+    return v3dcad.fill(part().wrapped, **SETTINGS)
 
 
 def test_cells_add_up_and_lie_where_the_part_lies(structure: Structure) -> None:
@@ -78,7 +78,7 @@ def test_cells_are_known_by_their_sites(structure: Structure) -> None:
 
 def test_pieces_of_one_cell_are_named(tmp_path: Path) -> None:
     apart = Pos(10, 0, 0) * Box(5, 20, 10) + Pos(-10, 0, 0) * Box(5, 20, 10)
-    structure = v3dcad.fill(apart, sites=[(0, -5), (0, 5)], layer_height=1.0)
+    structure = v3dcad.fill(apart.wrapped, sites=[(0, -5), (0, 5)], layer_height=1.0)
     structure.write_step(tmp_path / "a.step", "cells")
     named = read_step(tmp_path / "a.step")
     assert list(named) == [f"cell {site}, piece {k} of 2" for site in (0, 1) for k in (1, 2)]
@@ -90,7 +90,7 @@ def test_pieces_of_one_cell_are_named(tmp_path: Path) -> None:
 
 def test_layers_are_slices_of_the_faces(structure: Structure) -> None:
     """∫ wall length dz of fine layers = Σ wall area · cos(tilt from vertical)."""
-    fine = v3dcad.fill(part(), **SETTINGS | {"layer_height": 0.05})
+    fine = v3dcad.fill(part().wrapped, **SETTINGS | {"layer_height": 0.05})
     lengths = [layer.diagram.lengths()[layer.diagram.inner()].sum() for layer in fine.layers]
     swept = 0.05 * (sum(lengths) - lengths[0] / 2 + lengths[-1] / 2)
     upright = 0.0
@@ -166,7 +166,7 @@ def test_struts_cut_to_the_part_come_back(structure: Structure, tmp_path: Path) 
 
 
 def test_struts_cut_and_fused() -> None:
-    structure = v3dcad.fill(Box(20, 20, 10), cell_size=9.0, layer_height=1.0)
+    structure = v3dcad.fill(Box(20, 20, 10).wrapped, cell_size=9.0, layer_height=1.0)
     fused = structure.struts(1.5, fuse=True)
     assert is_valid(fused)
     assert volume_of(fused) == pytest.approx(mesh_volume(structure.strut_mesh(1.5)), rel=0.06)
@@ -174,7 +174,7 @@ def test_struts_cut_and_fused() -> None:
     cut = structure.struts(1.5, fuse=True, cut=True)
     assert 0 < volume_of(cut) < volume_of(fused)
     assert (np.abs(box_of(cut)) <= np.array([10, 10, 5]) + 1e-6).all()
-    many = v3dcad.fill(Box(40, 40, 10), cell_size=4.0, layer_height=1.0)
+    many = v3dcad.fill(Box(40, 40, 10).wrapped, cell_size=4.0, layer_height=1.0)
     with pytest.raises(KernelError, match="more than the 200 that OCCT unites") as refused:
         many.struts(0.5, fuse=True)
     for way in ("write_stl", "write_3mf", "compound"):
@@ -183,7 +183,7 @@ def test_struts_cut_and_fused() -> None:
 
 @pytest.mark.parametrize("profile", ["rectangle", "rounded"])
 def test_beads_have_the_volume_of_their_parts(profile: str, tmp_path: Path) -> None:
-    structure = v3dcad.fill(Box(20, 20, 2), cell_size=10.0, layer_height=0.5)
+    structure = v3dcad.fill(Box(20, 20, 2).wrapped, cell_size=10.0, layer_height=0.5)
     beads = structure.beads(0.8, profile)
     assert is_valid(beads)
     area = 0.8 * 0.5 if profile == "rectangle" else 0.3 * 0.5 + np.pi * 0.25**2
@@ -210,7 +210,7 @@ def test_meshes_of_a_turned_part(tmp_path: Path) -> None:
     """Its faces carry motions of their own: nodes are shared by edge, not by coordinates."""
     body = fillet(Box(20, 20, 20).edges().filter_by(Axis.X), 4) - Cylinder(4, 60)
     turned = Rot(20, 35, 10) * body
-    structure = v3dcad.fill(turned, cell_size=9.0, layer_height=1.0)
+    structure = v3dcad.fill(turned.wrapped, cell_size=9.0, layer_height=1.0)
     assert mesh_volume(structure.part.mesh()) == pytest.approx(turned.volume, rel=5e-3)
     assert mesh_volume(structure.solid_mesh(1.0)) == pytest.approx(
         volume_of(structure.solid(1.0)), rel=5e-3
@@ -228,7 +228,7 @@ def test_struts_cut_to_the_part_as_a_mesh(structure: Structure, tmp_path: Path) 
     mesh = trimesh.load(tmp_path / "a.stl")
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(mesh_volume(cut), rel=1e-4)
-    few = v3dcad.fill(Box(20, 20, 10), cell_size=9.0, layer_height=1.0)
+    few = v3dcad.fill(Box(20, 20, 10).wrapped, cell_size=9.0, layer_height=1.0)
     exact = volume_of(few.struts(1.5, fuse=True, cut=True))
     assert mesh_volume(few.strut_mesh(1.5, cut=True)) == pytest.approx(exact, rel=0.06)
 
@@ -243,7 +243,7 @@ def test_triangles_have_thick_walls_too(samples: Path, tmp_path: Path) -> None:
 
 
 def test_bead_mesh_is_closed(tmp_path: Path) -> None:
-    structure = v3dcad.fill(Box(20, 20, 2), cell_size=10.0, layer_height=0.5)
+    structure = v3dcad.fill(Box(20, 20, 2).wrapped, cell_size=10.0, layer_height=0.5)
     structure.write_3mf(tmp_path / "a.3mf", "beads", width=0.8)
     model = Lib3MF.Wrapper().CreateModel()
     model.QueryReader("3mf").ReadFromFile(str(tmp_path / "a.3mf"))
@@ -305,7 +305,9 @@ def test_svg_shows_every_edge(structure: Structure, tmp_path: Path) -> None:
 
 
 def test_the_thesis_has_no_walls_in_space() -> None:
-    structure = v3dcad.fill(Box(20, 20, 5), method="thesis", sites=6, layer_height=1.0, offset=0.1)
+    structure = v3dcad.fill(
+        Box(20, 20, 5).wrapped, method="thesis", sites=6, layer_height=1.0, offset=0.1
+    )
     for refused in (structure.faces, lambda: structure.sites_at([(0, 0, 1)])):
         with pytest.raises(SettingError, match=r"thesis: its layers have no walls"):
             refused()
@@ -315,7 +317,7 @@ def test_the_thesis_has_no_walls_in_space() -> None:
 @pytest.mark.parametrize(("width", "height"), [(0.01, 0.05), (0.02, 0.4), (2.0, 40.0)])
 def test_tiny_and_slender_parts_have_walls_to_the_top(width: float, height: float) -> None:
     part = Box(width, width, height)
-    slender = v3dcad.fill(part, cell_size=width / 3, layer_height=height / 50)
+    slender = v3dcad.fill(part.wrapped, cell_size=width / 3, layer_height=height / 50)
     facets = slender.facets()
     assert facets.points[:, 2].min() <= height * 1e-9
     assert facets.points[:, 2].max() >= height * (1 - 1e-9)

@@ -31,7 +31,7 @@ Read = Callable[..., list[dict[str, Any]]]
 def structure() -> Structure:
     body = Box(30, 24, 12) - Cylinder(5, 12)
     part = Pos(7, -3, 20) * fillet(body.edges().filter_by(Axis.Z), 3)
-    return v3dcad.fill(part, cell_size=8.0, layer_height=1.0)
+    return v3dcad.fill(part.wrapped, cell_size=8.0, layer_height=1.0)
 
 
 @pytest.fixture

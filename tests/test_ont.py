@@ -191,6 +191,7 @@ def test_other_settings_make_another_structure_and_are_not_compared(
         v3dcad.fill(written, stretch=1.0)
     assert v3dcad.fill(thesis, offset=0.4).settings.offset == 0.4
     assert len(v3dcad.fill(thesis, sites=7).sites) == 7
+    assert v3dcad.fill(thesis, random_seed=4).settings.random_seed == 4
     turned = v3dcad.fill(thesis, method="foam")
     assert (turned.settings.method, turned.settings.random_seed) == ("foam", 3)
     for recipe, wrong, says in (
@@ -263,7 +264,7 @@ def test_a_solid_that_occt_cannot_read_is_an_error(bracket: Path) -> None:
 
 
 def test_describe_tells_what_a_file_says(bracket: Path, thesis: Path, tmp_path: Path) -> None:
-    held = v3dcad.recipes.describe(bracket)
+    held = v3dcad.recipes.describe(v3dcad.part_from(bracket))
     assert (held["boundary"], held["method"]) == ("B-rep", "foam")
     assert (held["cell size"], held["stretch"]) == ("9.0 mm", "1.25")
     assert "offset" not in held
@@ -271,10 +272,10 @@ def test_describe_tells_what_a_file_says(bracket: Path, thesis: Path, tmp_path: 
     assert held["random seed"] == "3"
     assert held["size"] == "60 × 40 × 48 mm"
     assert held["written by"].startswith("v3dcad ")
-    held = v3dcad.recipes.describe(thesis)
+    held = v3dcad.recipes.describe_ont(thesis)
     assert held["sites"] == "20, scattered again from the random seed"
     assert (held["method"], held["offset"]) == ("thesis", "0.3 mm² a layer")
     v3dcad.fill(bracket, sites=[(0, 0)]).write_ont(tmp_path / "a.ont")
-    held = v3dcad.recipes.describe(tmp_path / "a.ont")
+    held = v3dcad.recipes.describe_ont(tmp_path / "a.ont")
     assert (held["sites"], held["stretch"]) == ("1, listed", "columns")
     assert "cell size" not in held

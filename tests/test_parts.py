@@ -238,7 +238,7 @@ def test_holes_are_refused_or_patched(tmp_path: Path) -> None:
         v3dcad.part_from(path)
     part = v3dcad.part_from(path, repair=True)
     assert volume(part) == pytest.approx(1)
-    assert part.findings == ("closed 1 holes with 1 mm² of triangles",)
+    assert part.findings[0] == "closed 1 holes with 1 mm² of triangles"
     inside_out = Mesh(CUBE.vertices, CUBE.triangles[:, ::-1])
     part = v3dcad.part_from(inside_out)
     assert volume(part) == pytest.approx(1)
@@ -289,3 +289,49 @@ def test_what_is_too_large_or_no_brep(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mesh_solid, "MAX_TRIANGLES", 11)
     with pytest.raises(v3dcad.GeometryError, match=r"12 triangles is too large .*at most 11"):
         v3dcad.part_from(CUBE, as_brep=True)
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("mm", 1), ("cm", 10), ("m", 1000), ("inch", 25.4), ("foot", 304.8)]
+)
+def test_a_unit_is_what_coordinates_are_counted_in(unit: str, factor: float) -> None:
+    from build123d import Box
+
+    for source in (CUBE, (CUBE.vertices, CUBE.triangles), Box(1, 1, 1)):
+        part = v3dcad.part_from(source, unit=unit)
+        assert volume(part) == pytest.approx(factor**3, rel=1e-5)
+        assert volume(v3dcad.part_from(source, unit=unit, scale=2)) == pytest.approx(
+            (2 * factor) ** 3, rel=1e-5
+        )
+
+
+def test_what_states_its_unit_is_only_scaled(samples: Path) -> None:
+    once = v3dcad.part_from(samples / "bracket.step")
+    twice = v3dcad.part_from(samples / "bracket.step", scale=2)
+    assert twice.bounds == pytest.approx(2 * once.bounds)
+    assert volume(twice) == pytest.approx(8 * volume(once), rel=1e-5)
+    with pytest.raises(v3dcad.SettingError, match=r"a \.step file states its unit"):
+        v3dcad.part_from(samples / "bracket.step", unit="inch")
+    with pytest.raises(v3dcad.SettingError, match="unit yard: give mm or cm or m or inch or foot"):
+        v3dcad.part_from(CUBE, unit="yard")
+    for scale in (0, -1, "2", np.nan):
+        with pytest.raises(v3dcad.SettingError, match=r"scale .*: give a number above 0"):
+            v3dcad.part_from(CUBE, scale=scale)
+    with pytest.raises(v3dcad.SettingError, match="in mm already"):
+        v3dcad.part_from(once, scale=2)
+
+
+def test_a_part_of_an_unlikely_size_is_told() -> None:
+    assert v3dcad.part_from(CUBE).findings == ("1 mm long: in inches? --unit inch",)
+    assert v3dcad.part_from(CUBE, unit="mm").findings == ()
+    assert v3dcad.part_from(Mesh(CUBE.vertices * 3, CUBE.triangles)).findings == ()
+    (large,) = v3dcad.part_from(Mesh(CUBE.vertices * 3001, CUBE.triangles)).findings
+    assert large == "3001 mm long: in another unit? --scale 0.001 makes it smaller"
+
+
+def test_an_ont_of_a_part_in_inches_makes_the_same_again(tmp_path: Path) -> None:
+    structure = v3dcad.fill(v3dcad.part_from(CUBE, unit="inch"), cell_size=9, layer_height=1)
+    structure.write_ont(tmp_path / "a.ont")
+    again = v3dcad.fill(tmp_path / "a.ont")
+    assert again.checksum() == structure.checksum()
+    assert np.ptp(again.part.bounds, axis=0) == pytest.approx([25.4] * 3)

@@ -79,7 +79,7 @@ def test_up_names_a_face_or_an_axis(samples: Path) -> None:
             v3dcad.place_on_bed(cone, up=up)
     with pytest.raises(v3dcad.SettingError, match="0 to 11"):
         v3dcad.place_on_bed(samples / "pyramid.stl", up=12)
-    with pytest.raises(v3dcad.SettingError, match="three angles"):
+    with pytest.raises(v3dcad.SettingError, match="3 numbers"):
         v3dcad.place_on_bed(cone, rotate=(1, 2))
 
 

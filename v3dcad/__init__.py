@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         V3dcadError,
     )
     from v3dcad.model import Recipe, Section
+    from v3dcad.nearness import distance_to, near_faces
     from v3dcad.parts import part_from
     from v3dcad.pipeline import Structure, build, fill
     from v3dcad.recipes import read_ont
@@ -44,8 +45,10 @@ _HOME = {
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
+    "distance_to": "nearness",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
+    "near_faces": "nearness",
     "part_from": "parts",
     "place_on_bed": "slicing",
     "section": "slicing",
@@ -66,8 +69,10 @@ __all__ = [
     "Structure",
     "V3dcadError",
     "build",
+    "distance_to",
     "fill",
     "fill_sections",
+    "near_faces",
     "part_from",
     "place_on_bed",
     "read_ont",

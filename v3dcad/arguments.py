@@ -1,54 +1,122 @@
-"""Functions that take settings show them: in their signature, and in their help."""
+"""What Python code gives: as the numbers and arrays it stands for, or an error that names it.
+
+NumPy's scalars and anything that is a real number to Python are numbers here; text and booleans
+are none. No function changes what it is given.
+"""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from typing import TypeVar
+import math
+import operator
+from numbers import Real
+from typing import TYPE_CHECKING, Any
 
-from v3dcad.errors import with_arguments
-from v3dcad.settings import Checked, declared
+import numpy as np
 
-F = TypeVar("F", bound=Callable[..., object])
+from v3dcad.errors import OutOfRangeError, SettingError
+
+if TYPE_CHECKING:
+    from v3dcad.model import Floats, Ints
 
 
-def takes_settings(cls: type[Checked]) -> Callable[[F], F]:
-    """Say of a function with `**settings` which they are: the fields of a class of settings.
+def finite(name: str, value: Any, unit: str = "mm") -> float:
+    """A finite number; `SettingError` for anything else."""
+    number = _number(value)
+    if number is None or not math.isfinite(number):
+        raise SettingError(name, f"{name} {_shown(value)}: give a finite number, {unit}")
+    return number
 
-    `inspect.signature` shows each with its type and default, `help` also what it is for. A
-    parameter that the function names itself stays as it is.
+
+def above_zero(name: str, value: Any, unit: str = "mm") -> float:
+    """A finite number above 0, such as a thickness; `SettingError` for anything else."""
+    number = _number(value)
+    if number is None or not 0 < number < math.inf:
+        raise SettingError(name, f"{name} {_shown(value)}: give a number above 0 {unit}")
+    return number
+
+
+def place(name: str, index: Any, count: int, things: str, *, from_end: bool = False) -> int:
+    """The number of one of `count` things (in words), from 0; `from_end` takes −1 for the last.
+
+    `OutOfRangeError` for a number of none, `SettingError` for what is no whole number.
     """
-
-    def decorate(function: F) -> F:
-        own = inspect.signature(function)
-        kept = [
-            parameter
-            for parameter in own.parameters.values()
-            if parameter.kind is not inspect.Parameter.VAR_KEYWORD
-        ]
-        fields = cls.__dataclass_fields__
-        shown = [
-            inspect.Parameter(
-                name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=fields[name].default,
-                annotation=fields[name].type,
-            )
-            for name in fields
-            if name not in own.parameters
-        ]
-        function.__signature__ = own.replace(parameters=[*kept, *shown])  # type: ignore[attr-defined]
-        lines = [f"    {_help(cls, name)}" for name in fields]
-        doc = inspect.cleandoc(function.__doc__ or "")
-        function.__doc__ = "\n".join([doc, "", f"Settings ({cls.__name__}):", *lines])
-        return function
-
-    return decorate
+    try:
+        found = operator.index(index)
+    except TypeError:
+        found = None
+    if found is None or isinstance(index, bool):
+        raise SettingError(name, f"{name} {_shown(index)}: give a whole number")
+    if not (-count if from_end else 0) <= found < count:
+        raise OutOfRangeError(name, f"{name} {found}: the {things} are 0 to {count - 1}")
+    return found % count
 
 
-def _help(cls: type[Checked], name: str) -> str:
-    known = declared(cls, name)
-    unit = f" ({known.unit})" if known.unit else ""
-    choices = f" {' or '.join(known.choices)}." if known.choices else ""
-    method = f" Method {known.method} only." if known.method else ""
-    return f"{name}{unit}: {with_arguments(known.help)}{choices}{method}"
+def numbers(name: str, values: Any, count: int | None = None) -> Floats:
+    """(k,) finite numbers from a sequence of them, k = `count` if given; else `SettingError`."""
+    found = _array(values)
+    if found is None or found.ndim != 1 or count not in (None, len(found)):
+        many = "" if count is None else f"{count} "
+        raise SettingError(name, f"{name} {_shown(values)}: give a sequence of {many}numbers")
+    if not np.isfinite(found).all():
+        raise SettingError(name, f"{name} {_shown(values)}: not all of them are finite numbers")
+    return found
+
+
+def rows(name: str, values: Any, *columns: str) -> Floats:
+    """(k, n) numbers from rows of them, one number for each of the columns ("x, y, z").
+
+    Where several kinds of columns are given, rows may be of any. `SettingError` for anything else;
+    whether the numbers are finite is left to the caller.
+    """
+    widths = [kind.count(",") + 1 for kind in columns]
+    found = _array(values)
+    if found is not None and found.shape == (0,):
+        found = found.reshape(0, widths[0])
+    if found is None or found.ndim != 2 or found.shape[1] not in widths:
+        raise SettingError(name, f"{name}{_shape(values)}: give rows of {', or of '.join(columns)}")
+    return found
+
+
+def whole_rows(name: str, values: Any, columns: str) -> Ints:
+    """(k, n) whole numbers, as `rows`; those of floating point must be whole."""
+    found = rows(name, values, columns)
+    if not np.array_equal(found, np.rint(found)):
+        raise SettingError(name, f"{name}: not all of them are whole numbers")
+    return found.astype(np.int64)
+
+
+def _number(value: Any) -> float | None:
+    """The value as a number, where it is one; text and booleans are none."""
+    if getattr(value, "shape", None) == ():
+        value = value.item()
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _array(values: Any) -> Floats | None:
+    """The values as an array of numbers, where they are one."""
+    try:
+        found = np.asarray(values)
+    except ValueError:  # rows of unequal length
+        return None
+    if found.size and found.dtype.kind not in "iuf":
+        return None
+    return found.astype(np.float64)
+
+
+def _shape(values: Any) -> str:
+    """The shape of an array, as words after its name."""
+    found = _array(values)
+    if found is None:
+        return " are not numbers in rows of equal length"
+    return f" of shape {found.shape}"
+
+
+def _shown(value: Any) -> str:
+    """A value as it is written in Python, cut off where it is long."""
+    text = repr(value.item() if getattr(value, "shape", None) == () else value)
+    return text if len(text) <= 40 else f"{text[:40]}…"

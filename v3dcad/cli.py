@@ -8,7 +8,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup
+from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup, view
 from v3dcad.commands import slice as slicing
 from v3dcad.errors import V3dcadError
 from v3dcad.version import VERSION
@@ -37,6 +37,7 @@ def _app(
 
 app.command()(fill.fill)
 app.command()(fill.info)
+app.command()(view.view)
 app.command("slice")(slicing.slice_part)
 app.command("print")(print_port.print_file)
 app.command()(ports.ports)

@@ -1,7 +1,8 @@
 """The errors v3dcad raises. Every message says what, where, and what to do.
 
 V3dcadError
-├── SettingError          a setting outside its range (knows the setting's name)
+├── SettingError          a setting or argument outside its range (knows its name)
+│   └── OutOfRangeError       a number of a layer, face … that is not there; an IndexError too
 ├── GeometryError         input geometry that cannot be computed with (knows layer and site)
 ├── FormatError           a file that cannot be read (knows path, line and section)
 ├── KernelError           OCCT refused a shape
@@ -54,6 +55,13 @@ class SettingError(V3dcadError):
     def __init__(self, name: str, message: str) -> None:
         self.name = name
         super().__init__(message)
+
+
+class OutOfRangeError(SettingError, IndexError):
+    """A number of a layer, section or face beyond those that there are.
+
+    An `IndexError` as well, by which Python ends its walk through a sequence.
+    """
 
 
 class GeometryError(V3dcadError):

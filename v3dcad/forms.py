@@ -1,7 +1,7 @@
 """What a structure is as CAD: wires, walls, cells, thick walls, struts and beads, and their files.
 
-Shapes are OCP's (`TopoDS_Shape`), as build123d and CadQuery wrap them, and lie where the source
-lies. The kernel is loaded when a form is asked for.
+Shapes are those of the library that the part comes from, build123d or CadQuery, or else OCP's
+(`TopoDS_Shape`), and lie where the source lies. The kernel is loaded when a form is asked for.
 """
 
 from __future__ import annotations
@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from v3dcad.arguments import above_zero, place
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.model import Floats, Ints, Layer, Mesh, Part, Placement
-from v3dcad.settings import FillSettings, check_size
+from v3dcad.settings import FillSettings
+from v3dcad.sources import bare, given_back
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
@@ -70,8 +72,8 @@ class Forms(Protocol):
         from v3dcad.kernel.shapes import compound
         from v3dcad.kernel.wires import layer_wires
 
-        return compound(
-            layer_wires(self.part.exact(layer), self.placement) for layer in self.layers
+        return self._given_back(
+            compound(layer_wires(self.part.exact(layer), self.placement) for layer in self.layers)
         )
 
     def faces(self) -> Any:
@@ -79,7 +81,9 @@ class Forms(Protocol):
         from v3dcad.kernel.cells import cut_walls
         from v3dcad.kernel.shapes import compound
 
-        return compound(cut_walls(self._solid(), self.facets(MARGIN), self.placement))
+        return self._given_back(
+            compound(cut_walls(self._solid(), self.facets(MARGIN), self.placement))
+        )
 
     def cells(self) -> list[Any]:
         """The cells inside the part as solids, neighbours sharing faces; they add up to it.
@@ -99,8 +103,8 @@ class Forms(Protocol):
         # A cell is convex, and so holds the centre of every piece of it.
         sites = self.sites_at(centres)
         found: dict[int, list[Any]] = {}
-        for place in np.lexsort((*centres.T, sites)).tolist():
-            found.setdefault(int(sites[place]), []).append(cells[place])
+        for cell in np.lexsort((*centres.T, sites)).tolist():
+            found.setdefault(int(sites[cell]), []).append(self._given_back(cells[cell]))
         return found
 
     def solid(self, thickness: float, skin: float = 0.0) -> Any:
@@ -108,7 +112,7 @@ class Forms(Protocol):
         from v3dcad.kernel.cells import thick_walls
 
         walls = self._thick(thickness)
-        return thick_walls(self._solid(), walls, self.placement, thickness, skin)
+        return self._given_back(thick_walls(self._solid(), walls, self.placement, thickness, skin))
 
     def struts(self, diameter: float, *, cut: bool = False, fuse: bool = False) -> Any:
         """Cylinders along the lines where cells meet, spheres at their ends, as a compound.
@@ -121,7 +125,7 @@ class Forms(Protocol):
 
         points, struts = self._axes(diameter)
         made = [fused_bars(points, struts, diameter)] if fuse else bars(points, struts, diameter)
-        return compound(cut_bars(made, self._solid()) if cut else made)
+        return self._given_back(compound(cut_bars(made, self._solid()) if cut else made))
 
     def beads(self, width: float, profile: str = "rounded") -> Any:
         """What is printed, a compound for each layer: a profile swept along every line.
@@ -130,7 +134,7 @@ class Forms(Protocol):
         """
         from v3dcad.kernel.shapes import compound
 
-        return compound(bead for _, bead in self._beads(width, profile))
+        return self._given_back(compound(bead for _, bead in self._beads(width, profile)))
 
     def strut_mesh(self, diameter: float, *, cut: bool = False) -> Mesh:
         """The struts and their joints united, as a closed mesh where the source lies.
@@ -156,7 +160,7 @@ class Forms(Protocol):
         """What is printed, the beads of all layers united, as a closed mesh."""
         from v3dcad.geometry.solid.bar_meshes import bead_mesh
 
-        return self._at_source(bead_mesh(self.layers, width, self.settings.layer_height))
+        return self._at_source(bead_mesh(self.layers, width, *self.settings.layer_span()))
 
     def write_step(
         self, path: str | Path, form: str = "wires", *, schema: str = "AP214", **sizes: Any
@@ -196,11 +200,11 @@ class Forms(Protocol):
         with written_beside(Path(path)) as beside:
             if form == "wires":
                 _only(sizes, form)
-                shape = self.wires()
+                shape = bare(self.wires())
             else:
                 shape = compound(shape for _, shape, _ in self._named(form, sizes))
             write_brep(shape, beside)
-        return shape
+        return self._given_back(shape)
 
     def write_stl(
         self, path: str | Path, form: str = "walls", *, ascii: bool = False, **sizes: Any
@@ -246,13 +250,9 @@ class Forms(Protocol):
 
         Raises `SettingError` for a layer that is not there.
         """
-        from v3dcad.formats.svg import layer_svg
-
-        count = len(self.layers)
-        if not -count <= layer < count:
-            raise SettingError("svg_layer", f"--svg-layer {layer}: the layers are 0 to {count - 1}")
+        drawn = self.layers[place("svg_layer", layer, len(self.layers), "layers", from_end=True)]
         with written_beside(Path(path)) as beside:
-            beside.write_text(layer_svg(self.layers[layer]), encoding="utf-8", newline="\n")
+            beside.write_text(drawn.svg(), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
         """A form, but for wires, as named shapes."""
@@ -263,20 +263,20 @@ class Forms(Protocol):
         if form == "cells":
             _only(sizes, form)
             return (
-                Named(_numbered(site, piece, len(cells)), cell, TEAL)
+                Named(_numbered(site, piece, len(cells)), bare(cell), TEAL)
                 for site, cells in self.cells_by_site().items()
                 for piece, cell in enumerate(cells, start=1)
             )
         if form not in FORMS:
             raise SettingError("form", f"form {form!r}: give {', '.join(FORMS)}")
-        return [Named(form, getattr(self, form)(**sizes), TEAL)]
+        return [Named(form, bare(getattr(self, form)(**sizes)), TEAL)]
 
     def _mesh(self, form: str, sizes: dict[str, Any]) -> Mesh:
         from v3dcad.geometry.solid.bar_meshes import wall_strips
 
         if form == "walls":
             _only(sizes, form)
-            return self._at_source(wall_strips(self.layers, self.settings.layer_height))
+            return self._at_source(wall_strips(self.layers, *self.settings.layer_span()))
         if form == "solid":
             return self.solid_mesh(_only(sizes, form, "thickness"))
         if form == "struts":
@@ -289,9 +289,9 @@ class Forms(Protocol):
     def _beads(self, width: float, profile: str = "rounded") -> Iterable[tuple[str, Any]]:
         from v3dcad.kernel.beads import layer_beads
 
-        height = self.settings.layer_height
+        height, base = self.settings.layer_span()
         return (
-            (_title(layer), layer_beads(layer, self.placement, width, height, profile))
+            (_title(layer), layer_beads(layer, self.placement, width, height, profile, base))
             for layer in self.layers
         )
 
@@ -308,8 +308,7 @@ class Forms(Protocol):
 
     def _thick(self, thickness: float) -> Facets:
         """The walls of which something may lie in the part when they are that thick, mm."""
-        check_size("thickness", thickness)
-        return self.facets(MARGIN + thickness / 2)
+        return self.facets(MARGIN + above_zero("thickness", thickness) / 2)
 
     def _solid(self) -> Any:
         """The part's solids where the source lies, those that meet united."""
@@ -323,6 +322,10 @@ class Forms(Protocol):
         from v3dcad.kernel.union import one_body
 
         return placed_back(one_body(shape), self.placement)
+
+    def _given_back(self, shape: Any) -> Any:
+        """A shape of OCP as an object of the library that the part comes from."""
+        return given_back(shape, self.part.library)
 
     def _at_source(self, mesh: Mesh) -> Mesh:
         return Mesh(self.placement.to_source(np.asarray(mesh.vertices)), mesh.triangles)

@@ -14,7 +14,9 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
+from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -26,8 +28,10 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-FEATURES = 8
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER = range(FEATURES)
+FEATURES = 9
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER, BRIDGE = range(
+    FEATURES
+)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 Progress = Callable[[str, int, int], object]
@@ -142,6 +146,12 @@ class Section(Value):
     runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
 
+    def svg(self) -> str:
+        """The section as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        return "".join(sections_svg([self]))
+
+    _repr_svg_ = svg
+
     def __repr__(self) -> str:
         points = sum(map(len, self.rings))
         return f"<Section at z {self.z:g} mm: {len(self.rings)} rings, {points} points>"
@@ -171,6 +181,10 @@ class Part(Protocol):
     @property
     def placement(self) -> Placement:
         """How it came to where it is from where its source lies."""
+
+    @property
+    def library(self) -> str:
+        """The CAD library that its shapes are given back to (`sources.LIBRARIES`); "" for none."""
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -270,8 +284,13 @@ class Diagram(Value):
         """(count,) area of each site's cell inside the section, mm²; 0 where it has none.
 
         Green's theorem over the edges: each adds to the cell on its left and takes from the
-        one on its right.
+        one on its right. Raises `SettingError` for a count that leaves out a site with a cell.
         """
+        least = int(self.edge_sites.max(initial=OUTSIDE)) + 1
+        if not isinstance(count, (int, np.integer)) or count < least:
+            raise SettingError(
+                "count", f"count {count}: give the number of all sites, len(layer.state.sites)"
+            )
         if not len(self.edges):
             return np.zeros(count)
         origin = self.vertices.mean(axis=0)
@@ -348,6 +367,14 @@ class Layer(Value):
         """Height of the layer's section above the bed, mm."""
         return self.section.z
 
+    def svg(self) -> str:
+        """Walls and contours as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        ends, inner = self.diagram.vertices[self.diagram.edges], self.diagram.inner()
+        lines = {"walls": (WALL, ends[inner]), "contours": (CONTOUR, ends[~inner])}
+        return lines_svg(f"layer {self.index}, z {self.z:g} mm", lines)
+
+    _repr_svg_ = svg
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Toolpath(Value):
@@ -364,8 +391,8 @@ class Toolpath(Value):
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
-    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a
-    way already extruded, NO_FEATURE elsewhere"""
+    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE, BRIM or SKIRT where it extrudes,
+    RETRACED on a way already extruded, NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any, get_args, get_type_hints
 import typer
 
 from v3dcad.errors import SettingError
-from v3dcad.settings import Checked, Declared, declared, option
+from v3dcad.settings import Checked, Declared, checked, declared, option
 
 Command = Callable[..., None]
 
@@ -95,6 +95,4 @@ def given(cls: type[Checked], arguments: dict[str, Any]) -> dict[str, Any]:
     """
     chosen = {name: arguments[name] for name in cls.__dataclass_fields__}
     chosen = {name: value for name, value in chosen.items() if value is not None}
-    for name, value in chosen.items():
-        declared(cls, name).check(name, value)
-    return chosen
+    return {name: checked(cls, name, value) for name, value in chosen.items()}

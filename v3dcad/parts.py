@@ -7,13 +7,19 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from v3dcad.arguments import above_zero, numbers, place
 from v3dcad.errors import FormatError, GeometryError, SettingError
 from v3dcad.formats.mesh.stl import normals, read_stl
 from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section, part_words
+from v3dcad.settings import UNITS
+from v3dcad.sources import library_of, mesh_in, shapes_in
+
+if TYPE_CHECKING:
+    from v3dcad.kernel.part import SolidPart
 
 STEP, BREP, ONT = (".step", ".stp"), (".brep", ".brp"), (".ont",)
 STL, THREEMF, OBJ = (".stl",), (".3mf",), (".obj",)
@@ -33,6 +39,8 @@ class MeshPart:
     """how it came to where it is from where its source lies"""
     overlap: float = 0.0
     """mm³, by how much what the surface winds around, as often as it does, exceeds the part"""
+    library: str = ""
+    """the CAD library that its shapes are given back to"""
 
     def __repr__(self) -> str:
         return f"<MeshPart {part_words(self)}: {len(self.surface.triangles)} triangles>"
@@ -51,19 +59,15 @@ class MeshPart:
 
     def normal(self, face: int) -> Floats:
         """(3,) outward unit normal of a triangle, by its number from 0."""
-        if not 0 <= face < len(self.surface.triangles):
-            count = len(self.surface.triangles)
-            raise SettingError("up", f"--up {face}: the mesh's triangles are 0 to {count - 1}")
-        unit: Floats = normals(self.surface.vertices[self.surface.triangles[[face]]])[0]
+        chosen = place("up", face, len(self.surface.triangles), "mesh's triangles")
+        unit: Floats = normals(self.surface.vertices[self.surface.triangles[[chosen]]])[0]
         return unit
 
     def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
         """Some triangles, by their numbers from 0."""
         count = len(self.surface.triangles)
-        for face in faces:
-            if not 0 <= face < count:
-                raise SettingError("faces", f"face {face}: the triangles are 0 to {count - 1}")
-        return Mesh(self.surface.vertices, self.surface.triangles[list(faces)])
+        chosen = [place("face", face, count, "mesh's triangles") for face in faces]
+        return Mesh(self.surface.vertices, self.surface.triangles[chosen])
 
     def placed(self, placement: Placement) -> MeshPart:
         """The same triangles, moved."""
@@ -82,7 +86,7 @@ class MeshPart:
         from v3dcad.geometry.mesh.section import section_mesh
         from v3dcad.geometry.section_union import united
 
-        found = section_mesh(self.surface, heights, executor)
+        found = section_mesh(self.surface, numbers("heights", heights), executor)
         return united(found, chord_tolerance, _bodies_meet(self.surface))
 
     def exact(self, layer: Layer) -> Layer:
@@ -106,55 +110,109 @@ def _bodies_meet(surface: Mesh) -> bool:
     return len(meeting(low[solid], high[solid])) > 0
 
 
-def part_from(source: Any, *, repair: bool = False, as_brep: bool = False) -> Part:
+SMALL, LARGE = 3.0, 3000.0
+"""mm: shorter or longer parts are told, since their unit may be another one."""
+
+
+def part_from(
+    source: Any,
+    *,
+    repair: bool = False,
+    as_brep: bool = False,
+    unit: str | None = None,
+    scale: float = 1.0,
+) -> Part:
     """The part in a file (STEP, STL, 3MF, OBJ, BREP), a shape, or a mesh; a part as it is.
 
-    Shapes are those of OCP, build123d and CadQuery; a mesh is a pair of vertices (v, 3), mm, and
-    triangles (t, 3). Meshes have to be closed: `repair` closes their holes, and findings say what
-    it patched. `as_brep` makes a B-rep with plane faces of a mesh. Raises `FormatError` for a
-    file that cannot be read, `KernelError` for a shape without a solid, `GeometryError` for a
-    mesh that is not closed or too large for a B-rep, and for anything else.
+    Shapes are those of OCP, build123d and CadQuery: solids, closed shells, compounds, builders,
+    Workplanes, assemblies and lists of them. A mesh is one of trimesh, or a pair of vertices
+    (v, 3), mm, and triangles (t, 3). Meshes have to be closed: `repair` closes their holes, and
+    findings say what it patched. `as_brep` makes a B-rep with plane faces of a mesh. `unit`, one of
+    `settings.UNITS`, is what coordinates are counted in that state no unit (STL, OBJ, BREP, shapes,
+    arrays), mm if nobody says; `scale` makes the part larger, about the source's origin. A part
+    under 3 mm or over 3 m is told, in its findings, where neither is given. Raises
+    `FormatError` for a file that cannot be read, `KernelError` for a shape without a solid,
+    `SettingError` for arrays of another shape and for a unit where the file states one,
+    `GeometryError` for a mesh that is not closed or too large for a B-rep, and for anything else.
     """
-    found = _part_of(source, repair)
+    if hasattr(source, "sections"):
+        if unit is not None or scale != 1:
+            raise SettingError("scale", "a part is in mm already: give what it was made from")
+        return cast(Part, source)
+    found = _part_of(source, repair, _factor(source, unit, scale))
     if as_brep and isinstance(found, MeshPart):
         from v3dcad.kernel.mesh_solid import solid_of_mesh
 
-        return solid_of_mesh(found.surface, found.name, found.findings)
+        found = solid_of_mesh(found.surface, found.name, found.findings)
+    if unit is None and scale == 1:
+        unsure = _size_findings(float(np.ptp(found.bounds, axis=0).max()), _states_unit(source))
+        found = replace(found, findings=(*found.findings, *unsure))
     return found
 
 
-def _part_of(source: Any, repair: bool) -> Part:
-    if isinstance(source, (str, Path)):
-        return _part_in(Path(source), repair)
-    if hasattr(source, "sections"):
-        return cast(Part, source)
-    if isinstance(source, Mesh):
-        return _mesh_part("mesh", source, repair)
-    if isinstance(source, tuple) and len(source) == 2:
-        vertices, triangles = np.asarray(source[0], np.float64), np.asarray(source[1], np.int64)
-        return _mesh_part("mesh", Mesh(vertices, triangles), repair)
-    if hasattr(source, "vals"):
-        from v3dcad.kernel.shapes import compound
+def _states_unit(source: Any) -> bool:
+    """Whether a file says what its coordinates are counted in."""
+    return isinstance(source, (str, Path)) and Path(source).suffix.lower() in (*STEP, *THREEMF)
 
-        source = compound(value.wrapped for value in source.vals())
-    shape = getattr(source, "wrapped", source)
-    if not hasattr(shape, "TShape"):
-        raise GeometryError(
-            f"{type(source).__name__} cannot be filled: give a path, a shape, or (vertices, faces)"
+
+def _factor(source: Any, unit: str | None, scale: float) -> float:
+    """How many mm one step of a source's coordinates is; `SettingError` where it cannot be."""
+    factor = above_zero("scale", scale, "times")
+    if unit is None:
+        return factor
+    if unit not in UNITS:
+        raise SettingError("unit", f"unit {unit}: give {' or '.join(UNITS)}")
+    if _states_unit(source):
+        kind = Path(source).suffix
+        raise SettingError(
+            "unit", f"unit {unit}: a {kind} file states its unit; leave it out, or give a scale"
         )
-    from v3dcad.kernel.part import solid_part
+    return factor * UNITS[unit]
 
-    name = getattr(source, "label", "") or "part"
-    return solid_part(shape, name, name)
+
+def _size_findings(length: float, states_unit: bool) -> list[str]:
+    """What to tell of a part of a length, mm, whose unit may be another one."""
+    if SMALL <= length <= LARGE:
+        return []
+    if states_unit:
+        change = "--scale 0.001 makes it smaller" if length > LARGE else "--scale makes it larger"
+        return [f"{length:.4g} mm long, as its file states: {change}"]
+    if length > LARGE:
+        return [f"{length:.4g} mm long: in another unit? --scale 0.001 makes it smaller"]
+    return [f"{length:.4g} mm long: in inches? --unit inch"]
+
+
+def _part_of(source: Any, repair: bool, factor: float) -> SolidPart | MeshPart:
+    if isinstance(source, (str, Path)):
+        return _part_in(Path(source), repair, factor)
+    mesh = mesh_in(source)
+    if mesh is not None:
+        return _mesh_part("mesh", mesh, repair, factor)
+    shapes = list(shapes_in(source))
+    from v3dcad.kernel.part import solid_part
+    from v3dcad.kernel.shapes import compound
+
+    shape = shapes[0] if len(shapes) == 1 else compound(shapes)
+    name = str(getattr(source, "label", None) or "part")
+    return replace(solid_part(shape, name, name, factor), library=library_of(source))
 
 
 def _mesh_part(
-    name: str, mesh: Mesh, repair: bool, read: Sequence[str] = (), where: str = "the mesh"
+    name: str,
+    mesh: Mesh,
+    repair: bool,
+    factor: float,
+    read: Sequence[str] = (),
+    where: str = "the mesh",
 ) -> MeshPart:
-    """A mesh as a part, once it is known to be closed; `GeometryError` where it is not."""
+    """A mesh as a part, once it is known to be closed; `GeometryError` where it is not.
+
+    Its coordinates are multiplied by `factor`.
+    """
     from v3dcad.geometry.mesh.check import checked_mesh
     from v3dcad.geometry.mesh_overlap import overlap_volume
 
+    mesh = Mesh(mesh.vertices * factor, mesh.triangles)
     try:
         closed, mended = checked_mesh(mesh, repair=repair)
     except GeometryError as error:
@@ -168,29 +226,29 @@ def _mesh_part(
     return MeshPart(name, closed, (*read, *mended), overlap=overlap)
 
 
-def _part_in(path: Path, repair: bool) -> Part:
+def _part_in(path: Path, repair: bool, factor: float) -> SolidPart | MeshPart:
     check_readable(path)
     ending = path.suffix.lower()
     if ending in STL:
-        return _mesh_part(path.stem, read_stl(path), repair, (), str(path))
+        return _mesh_part(path.stem, read_stl(path), repair, factor, (), str(path))
     if ending in THREEMF:
         from v3dcad.formats.mesh.threemf_reader import read_threemf
 
         mesh, left_out = read_threemf(path)
-        return _mesh_part(path.stem, mesh, repair, left_out, str(path))
+        return _mesh_part(path.stem, mesh, repair, factor, left_out, str(path))
     if ending in OBJ:
         from v3dcad.formats.mesh.obj import read_obj
 
         mesh, left_out = read_obj(path)
-        return _mesh_part(path.stem, mesh, repair, left_out, str(path))
+        return _mesh_part(path.stem, mesh, repair, factor, left_out, str(path))
     if ending in STEP:
         from v3dcad.kernel.load import load_step
 
-        return load_step(path)
+        return load_step(path, factor)
     if ending in BREP:
         from v3dcad.kernel.load import load_brep
 
-        return load_brep(path)
+        return load_brep(path, factor)
     known = ", ".join((*STEP, *STL, *THREEMF, *OBJ, *BREP, *ONT))
     raise FormatError(f"not a kind of file that can be filled; give {known}", path=str(path))
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from v3dcad.arguments import takes_settings
+from v3dcad.arguments import finite, rows
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -30,6 +30,7 @@ from v3dcad.model import (
     part_words,
     unheard,
 )
+from v3dcad.pages import Pages
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -45,6 +46,7 @@ from v3dcad.recipes import (
 )
 from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -62,7 +64,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure(Forms, Views):
+class Structure(Forms, Views, Pages):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.
@@ -108,6 +110,7 @@ class Structure(Forms, Views):
 
     def at(self, z: float) -> Diagram:
         """The diagram at any height z, mm, not only at those of layers, cut by the part there."""
+        z = finite("z", z)
         (section,) = self.part.sections(np.array([z]), self.settings.chord_tolerance)
         return self.filling.at(z, section)
 
@@ -116,9 +119,7 @@ class Structure(Forms, Views):
 
         Raises `SettingError` for the thesis's method, as `faces` does.
         """
-        return self.filling.sites_at(
-            self.placement.to_bed(np.reshape(np.asarray(points, np.float64), (-1, 3)))
-        )
+        return self.filling.sites_at(self.placement.to_bed(rows("points", points, "x, y, z")))
 
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
         """The certificate: how every layer rests on the one below."""
@@ -131,14 +132,16 @@ class Structure(Forms, Views):
 
         `density` is in g/cm³ (PLA's is 1.24).
         """
-        return properties(self.layers, self.settings.layer_height, wall_width, density)
+        height, base = self.settings.layer_span()
+        return properties(self.layers, height, wall_width, density, base=base)
 
     def facets(self, beyond: float = 0.0) -> Facets:
         """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
 
         Raises `SettingError` for the thesis's method, whose layers are not slices of such walls.
         """
-        return self.filling.facets(self.part.bounds + beyond * np.array([[-1.0], [1.0]]))
+        margin = finite("beyond", beyond)
+        return self.filling.facets(self.part.bounds + margin * np.array([[-1.0], [1.0]]))
 
     def recipe(self, boundary: str | None = None) -> Recipe:
         """What an `.ont` file needs to make this structure again, with its check sum.
@@ -198,22 +201,8 @@ class Structure(Forms, Views):
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,
         ):
-            totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
+            totals = write_gcode(stream, toolpaths, settings, self.thumbnail())
         return Print(totals, reports, findings(reports))
-
-    def _thumbnail(self) -> bytes:
-        from v3dcad.view.picture import draw
-
-        picture = io.BytesIO()
-        draw(self.layers, picture, shown=40, pixels=220)
-        return picture.getvalue()
-
-    def write_png(self, path: str | Path) -> None:
-        """Draw the layers in perspective."""
-        from v3dcad.view.picture import draw
-
-        with written_beside(Path(path)) as beside:
-            draw(self.layers, beside)
 
     def findings(self) -> list[str]:
         """What the user should know of how the part was read."""
@@ -277,9 +266,12 @@ class SectionedPart:
 def sectioned(
     part: Part, settings: FillSettings, executor: Executor | None = None
 ) -> SectionedPart:
-    """The first half of `build`: goes by `SectionSettings` and `FillSettings.lofts` only."""
+    """The first half of `build`: goes by `SectionSettings`, `FillSettings.section_above` and
+    `FillSettings.lofts` only.
+    """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
-    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    top, above = float(part.bounds[1, 2]), settings.section_above()
+    heights = layer_heights(top, settings.layer_height, above)
     planes = np.unique(heights[[0, -1]]) if settings.lofts else heights
     return SectionedPart(part, heights, part.sections(planes, settings.chord_tolerance, executor))
 
@@ -353,7 +345,7 @@ def fill(
         if sites is not None or settings:
             source = changed(source, sites, settings)
         return build_recipe(source, verify=verify, executor=executor, progress=progress)
-    if sites is None or isinstance(sites, int):
+    if sites is None or isinstance(sites, Real):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
         return build(part_from(source), chosen, None, executor, progress)
     explicit = given_sites(sites)

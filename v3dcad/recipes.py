@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import difflib
 from dataclasses import replace
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from v3dcad.arguments import rows
 from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Floats, Mesh, Part, Recipe
-from v3dcad.parts import MeshPart, check_readable, part_from
+from v3dcad.parts import MeshPart, check_readable
 from v3dcad.settings import FillSettings, declared
 
 BOUNDARIES = ("stl", "exact")
@@ -77,15 +79,10 @@ def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillS
 
 def given_sites(sites: Any) -> Floats:
     """Sites that a user gave as an array (n, 2) or (n, 3); `SettingError` for anything else."""
-    try:
-        rows = np.asarray(sites, dtype=np.float64)
-    except (TypeError, ValueError):
-        rows = np.empty(0)
-    if rows.ndim != 2 or rows.shape[1] not in (2, 3) or not len(rows):
-        raise SettingError(
-            "sites", "sites: give rows of x, y, z, or of x, y for columns, all of the same length"
-        )
-    return rows
+    found = rows("sites", sites, "x, y, z", "x, y for columns")
+    if not len(found):
+        raise SettingError("sites", "sites: none; give rows of x, y, z, or of x, y for columns")
+    return found
 
 
 def sites_of(recipe: Recipe) -> Floats | None:
@@ -100,7 +97,8 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     """The recipe of another structure, which has no check sum yet.
 
     Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
-    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites.
+    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites, and for
+    a random seed alone where a foam's sites are listed.
     """
     kept = sites_of(recipe)
     method = settings.get("method", recipe.settings.method)
@@ -112,7 +110,7 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
         if declared(FillSettings, name).method in ((None, method) if same else (None,))
     }
     before["method"] = method
-    if isinstance(sites, int):
+    if isinstance(sites, Real):
         kept, settings = None, {**settings, "sites": sites}
     elif sites is not None:
         kept = given_sites(sites)
@@ -121,6 +119,12 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
         else:
             before["cell_size"] = before["stretch"] = "auto"
     elif {"random_seed", "cell_size"} & settings.keys():
+        if kept is not None and method == "foam" and "cell_size" not in settings:
+            raise SettingError(
+                "random_seed",
+                "--random-seed: the file lists its sites, and not the cell size that made them; "
+                "give --cell-size too, or leave it out",
+            )
         kept = None
     chosen = known_settings({**before, **settings})
     if kept is not None:
@@ -192,13 +196,15 @@ def told(recipe: Recipe) -> dict[str, str]:
     }
 
 
-def describe(path: Path) -> dict[str, str]:
-    """What a part or an `.ont` file holds, as lines to show."""
-    if path.suffix.lower() == ".ont":
-        recipe = read_ont(path)
-        part, held = part_of(recipe), told(recipe)
-    else:
-        part = part_from(path)
+def describe_ont(path: Path) -> dict[str, str]:
+    """What an `.ont` file holds, as lines to show."""
+    recipe = read_ont(path)
+    return describe(part_of(recipe), told(recipe))
+
+
+def describe(part: Part, held: dict[str, str] | None = None) -> dict[str, str]:
+    """What a part is, as lines to show; `held` is what is said of it first."""
+    if held is None:
         held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
     low, high = part.bounds
     corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]

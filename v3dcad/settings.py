@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from functools import cache
+from numbers import Integral, Real
+from typing import Any, TypeVar, get_args, get_type_hints
 
 from v3dcad.errors import SettingError
 
@@ -19,6 +22,10 @@ T = TypeVar("T")
 
 Field = Callable[[Any, Any, Any], Any]
 """What differs from place to place: values (n,) at x, y and z (n,), mm, where the source lies."""
+
+
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4, "foot": 304.8}
+"""Units that the coordinates of a file may be counted in, mm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,19 +48,41 @@ class Declared:
     method: str | None = None
     """the method that it is a setting of; None: of all"""
 
-    def check(self, name: str, value: object) -> None:
-        """Raise `SettingError` unless a value is a declared choice, or lies in the range."""
-        if self.choices and value not in self.choices:
-            raise SettingError(name, f"{option(name)} {value}: give {' or '.join(self.choices)}")
-        if isinstance(value, str) and (value in self.words or not self.words):
-            return
-        if self.fields and (isinstance(value, str) or callable(value)):
-            return
+    def checked(self, name: str, value: Any, kinds: tuple[Any, ...] = (float,)) -> Any:
+        """The value as Python's own type, of which NumPy's scalars are made too.
+
+        Raises `SettingError` unless it is of one of the kinds (bool, int, float, str), and is a
+        declared choice or word, or lies in the range.
+        """
+        value = _python_value(value)
+        if self.choices or (str in kinds and not self.words):
+            if not isinstance(value, str) or value not in (self.choices or (value,)):
+                wanted = " or ".join(self.choices) or "text"
+                raise SettingError(name, f"{option(name)} {value}: give {wanted}")
+            return value
+        if bool in kinds:
+            if not isinstance(value, bool):
+                raise SettingError(name, f"{option(name)} {value!r}: give True or False")
+            return value
+        if isinstance(value, str) and (value in self.words or self.fields):
+            return value
+        if self.fields and callable(value):
+            return value
+        kind: Any = Real if float in kinds else Integral
+        if isinstance(value, bool) or not isinstance(value, kind):
+            number = "a number" if kind is Real else "a whole number"
+            words = " or ".join([number, *self.words])
+            raise SettingError(name, f"{option(name)} {value!r}: give {words}")
         if not isinstance(value, (int, float)):
-            words = " or ".join(["a number", *self.words])
-            raise SettingError(name, f"{option(name)} {value}: give {words}")
+            value = float(value)  # a fraction
+        self._check_range(name, value)
+        return value
+
+    def _check_range(self, name: str, value: float) -> None:
+        """Raise `SettingError` unless a number lies in the range."""
         unit = f" {self.unit}" if self.unit else ""
-        if not math.isfinite(value):
+        largest = sys.float_info.max
+        if not -largest <= value <= largest:
             raise SettingError(name, f"{option(name)} {value}: give a finite number{unit}")
         if value in self.also:
             return
@@ -69,12 +98,6 @@ class Declared:
             raise SettingError(
                 name, f"{option(name)} {value}: give a number of at most {self.most:g}{unit}"
             )
-
-
-def check_size(name: str, value: float) -> None:
-    """Raise `SettingError` unless a length (mm) is a finite number above 0."""
-    if not 0 < value < math.inf:
-        raise SettingError(name, f"{name} {value:g}: give a number above 0 mm")
 
 
 def option(name: str) -> str:
@@ -104,7 +127,24 @@ class Checked:
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
-            declared(type(self), name).check(name, getattr(self, name))
+            object.__setattr__(self, name, checked(type(self), name, getattr(self, name)))
+
+
+def checked(cls: Any, name: str, value: Any) -> Any:
+    """A value of one field of a settings class, as `Declared.checked` has it."""
+    return declared(cls, name).checked(name, value, _kinds(cls)[name])
+
+
+@cache
+def _kinds(cls: Any) -> dict[str, tuple[Any, ...]]:
+    """The types that each setting of a class may have."""
+    hints = get_type_hints(cls)
+    return {name: get_args(hints[name]) or (hints[name],) for name in cls.__dataclass_fields__}
+
+
+def _python_value(value: Any) -> Any:
+    """A value as Python has it where it is a NumPy scalar; `.ont` and JSON know no others."""
+    return value.item() if getattr(value, "shape", None) == () else value
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -153,6 +193,13 @@ class FillSettings(SectionSettings):
         least=1,
         most=100,
         words=("auto", "columns"),
+        method="foam",
+    )
+    heights: str = setting(
+        "middle",
+        "Where a layer's section is taken: in the middle of the bead that fills it, or at its "
+        "bottom, as the thesis does.",
+        choices=("middle", "bottom"),
         method="foam",
     )
     strict: bool = setting(
@@ -216,6 +263,15 @@ class FillSettings(SectionSettings):
         for name, field in FillSettings.__dataclass_fields__.items():
             if getattr(self, name) != field.default:
                 self.refuse_other(name, self.method)
+
+    def section_above(self) -> float:
+        """How far above a layer's base its section is taken, mm."""
+        middle = self.method == "foam" and self.heights == "middle"
+        return self.layer_height / 2 if middle else 0.0
+
+    def layer_span(self) -> tuple[float, float]:
+        """How high a layer is, and where it begins: so far over its section (below it), mm."""
+        return self.layer_height, -self.section_above()
 
     @property
     def lofts(self) -> bool:
@@ -319,14 +375,31 @@ class PrintSettings(Checked):
         "spanning tree.",
         choices=("joined", "least-retrace", "trails", "tree"),
     )
-    bottom_layers: int = setting(0, "Solid layers at the bottom.", least=0)
-    top_layers: int = setting(0, "Solid layers at the top.", least=0, most=1000)
+    seam: str = setting(
+        "aligned",
+        "Where the outermost perimeter begins and ends: above the seam below, in the sharpest "
+        "corner; at the rear; or somewhere else on each layer.",
+        choices=("aligned", "rear", "scattered"),
+    )
+    bottom_layers: int = setting(
+        4, "Solid layers over every face that looks down.", least=0, most=1000
+    )
+    top_layers: int = setting(4, "Solid layers under every face that looks up.", least=0, most=1000)
+    open: bool = setting(
+        False, "Leave out all solid layers: walls and contours alone, as the thesis prints."
+    )
     skirt_loops: int = setting(1, "Loops around the first layer.", least=0, most=1000)
     skirt_distance: float = setting(
         3.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
     )
-    brim_width: float = setting(
-        0.0, "Width of the brim around the first layer.", unit="mm", least=0, most=1000
+    brim_width: float | str = setting(
+        "auto",
+        "Width of the brim around the first layer; auto takes 5 where the part touches the bed "
+        "with less than 100 mm², or less than 10 mm wide.",
+        unit="mm",
+        least=0,
+        most=1000,
+        words=("auto",),
     )
 
     prime_line: float = setting(
@@ -345,6 +418,20 @@ class PrintSettings(Checked):
     )
     solid_speed: float = setting(
         40.0, "Speed while extruding solid layers.", unit="mm/s", least=0.1, most=2000
+    )
+    bridge_speed: float = setting(
+        25.0,
+        "Speed while extruding solid layers over air and cells.",
+        unit="mm/s",
+        above=0,
+        most=2000,
+    )
+    bridge_flow: float = setting(
+        100.0,
+        "The same over air and cells, instead of `flow`.",
+        unit="%",
+        above=0,
+        most=1000,
     )
     travel_speed: float = setting(
         150.0, "Speed while not extruding.", unit="mm/s", least=0.1, most=2000
@@ -403,6 +490,13 @@ class PrintSettings(Checked):
     )
     bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
     fan: float = setting(100.0, "Power of the part's fan.", unit="%", least=0, most=100)
+    bridge_fan: float = setting(
+        100.0,
+        "Power of the fan over air and cells.",
+        unit="%",
+        least=0,
+        most=100,
+    )
     fan_from_layer: int = setting(1, "First layer that the fan blows at.", least=0)
     fan_full_layer: int = setting(
         3, "Layer from which the fan has its full power; before, it speeds up evenly.", least=0
@@ -445,6 +539,10 @@ class PrintSettings(Checked):
     def wall_width(self) -> float:
         """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
         return 2 * self.bead_width if self.route == "joined" else self.bead_width
+
+    def solid_layers(self) -> tuple[int, int]:
+        """How many layers are solid at faces that look down, and at those that look up."""
+        return (0, 0) if self.open else (self.bottom_layers, self.top_layers)
 
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""

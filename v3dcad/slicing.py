@@ -10,6 +10,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from v3dcad.arguments import place
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
 from v3dcad.model import Floats, Part, Placement, Section, part_words
@@ -46,11 +47,11 @@ def place_on_bed(
 def _direction(part: Part, up: int | str) -> Floats:
     if isinstance(up, str) and up in ("x", "y", "z"):
         return np.array([float(axis == up) for axis in "xyz"])
-    try:
-        face = int(up)
-    except ValueError:
-        raise SettingError("up", f"--up {up}: give x, y, z or the number of a face") from None
-    return part.normal(face)
+    if isinstance(up, str):
+        if not up.isdecimal():
+            raise SettingError("up", f"--up {up}: give x, y, z or the number of a face")
+        up = int(up)
+    return part.normal(up)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -77,7 +78,8 @@ class Sections(Sequence[Section]):
     def __getitem__(self, index: int | slice) -> Section | Sequence[Section]:
         if isinstance(index, slice):
             return Sections(self.part, self.heights[index], self.chord_tolerance, self.executor)
-        return self._cut(self.heights[[index]])[0]
+        chosen = place("section", index, len(self), "sections", from_end=True)
+        return self._cut(self.heights[[chosen]])[0]
 
     def __iter__(self) -> Iterator[Section]:
         batch = BATCH if self.executor is None else len(self)
@@ -135,7 +137,7 @@ def write_sections_step(sections: Sequence[Section], path: str | Path, part: Par
 
 def write_sections_svg(sections: Sequence[Section], path: str | Path) -> None:
     """Write sections as SVG, one group each."""
-    from v3dcad.formats.svg import sections_svg
+    from v3dcad.svg import sections_svg
 
     with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
         stream.writelines(sections_svg(sections))

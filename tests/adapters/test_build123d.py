@@ -4,12 +4,34 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
-from build123d import Box, BuildPart, Color, Locations, Mode, Pos
+import trimesh
+from build123d import (
+    Box,
+    BuildPart,
+    BuildSketch,
+    Color,
+    Compound,
+    Location,
+    Locations,
+    Mode,
+    Part,
+    Plane,
+    Pos,
+    Rectangle,
+    Shell,
+    Solid,
+    export_step,
+    extrude,
+    import_step,
+)
+from OCP.TopoDS import TopoDS_Shape
 
+import v3dcad
 from v3dcad.adapters.build123d import VoronoiFill
-from v3dcad.errors import SettingError
+from v3dcad.errors import SettingError, V3dcadError
 
 pytestmark = [
     pytest.mark.slow,
@@ -55,6 +77,102 @@ def test_locations_and_mode_are_respected() -> None:
     assert untouched.part.volume == pytest.approx(1000)
 
 
+def test_an_operation_ignores_locations_and_works_on_what_is_built() -> None:
+    alone = VoronoiFill(Box(10, 10, 6), thickness=0.5, **SETTINGS)
+    with BuildPart() as block, Locations((20, 0, 0)):
+        Box(10, 10, 6)
+        VoronoiFill(thickness=0.5, **SETTINGS)
+    assert tuple(block.part.bounding_box().min) == pytest.approx((15, -5, -3), abs=1e-6)
+    assert block.part.volume == pytest.approx(alone.volume, rel=1e-6)
+    with BuildPart(Plane.XZ.offset(7)) as turned:
+        Box(10, 10, 6)
+        VoronoiFill(thickness=0.5, **SETTINGS)
+    assert tuple(turned.part.bounding_box().min) == pytest.approx((-5, -10, -5), abs=1e-6)
+
+
+def test_what_is_no_solid_cannot_replace_what_is_built() -> None:
+    with BuildPart() as block:
+        Box(10, 10, 6)
+        for form in ("faces", "wires"):
+            with pytest.raises(SettingError, match=f"form '{form}': a builder's part is made of"):
+                VoronoiFill(form=form, **SETTINGS)
+        walls = VoronoiFill(form="faces", mode=Mode.PRIVATE, **SETTINGS)
+    assert len(walls.faces()) > 1
+    assert block.part.volume == pytest.approx(600)
+
+
+def box() -> Box:
+    return Box(10, 10, 10)
+
+
+def built() -> BuildPart:
+    with BuildPart() as block:
+        Box(10, 10, 10)
+    return block
+
+
+def extruded() -> Part:
+    with BuildSketch() as outline:
+        Rectangle(10, 10)
+    return extrude(outline.sketch, 10)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        box,
+        built,
+        extruded,
+        lambda: box().solids(),
+        lambda: box().shells()[0],
+        lambda: box().faces(),
+        lambda: [box().wrapped],
+        lambda: Compound([Box(10, 10, 5), Pos(0, 0, 5) * Box(10, 10, 5)]),
+        lambda: (Box(10, 10, 5), Pos(0, 0, 5) * Box(10, 10, 5)),
+        lambda: trimesh.creation.box((10, 10, 10)),
+        lambda: trimesh.Scene([trimesh.creation.box((10, 10, 10))]),
+    ],
+)
+def test_whatever_holds_a_solid_is_a_part(source) -> None:
+    assert v3dcad.part_from(source()).contents()["volume"] == "1000 mm³"
+
+
+@pytest.mark.parametrize(
+    ("source", "says"),
+    [
+        (BuildPart, "BuildPart has built nothing yet"),
+        (Part, "this Part holds no shape"),
+        (lambda: Rectangle(1, 2), "no solid, only 1 faces that enclose nothing"),
+        (lambda: Shell(box().faces()[:5]), "only 5 faces that enclose nothing"),
+        (lambda: [box(), 3], "int cannot be filled: give a path, a solid, a list of solids"),
+        (lambda: Location((1, 2, 3)), "Location cannot be filled"),
+        (list, "no solid"),
+    ],
+)
+def test_whatever_holds_none_is_told(source, says: str) -> None:
+    with pytest.raises(V3dcadError, match=says):
+        v3dcad.part_from(source())
+
+
+def test_shapes_come_back_as_the_sources_library_has_them(tmp_path: Path) -> None:
+    part = Box(20, 20, 10)
+    structure = v3dcad.fill(part, **SETTINGS)
+    walls = structure.solid(1.0)
+    rest = part - walls
+    assert rest.volume == pytest.approx(4000 - walls.volume, rel=1e-6)
+    struts = structure.struts(1.0, fuse=True)
+    assert (part - struts).volume == pytest.approx(4000 - (part & struts).volume, rel=1e-6)
+    assert export_step(walls, tmp_path / "a.step")
+    assert import_step(tmp_path / "a.step").volume == pytest.approx(walls.volume, rel=1e-6)
+    assert all(isinstance(cell, Solid) for cell in structure.cells())
+    assert all(isinstance(form, Compound) for form in (structure.wires(), structure.faces()))
+    bare = v3dcad.fill(part.wrapped, **SETTINGS)
+    assert isinstance(bare.solid(1.0), TopoDS_Shape)
+    structure.write_step(tmp_path / "a.step", "cells")
+    bare.write_step(tmp_path / "b.step", "cells")
+    assert (tmp_path / "a.step").read_bytes() == (tmp_path / "b.step").read_bytes()
+
+
 def test_mistakes_are_named() -> None:
     with pytest.raises(SettingError, match="needs a part"):
         VoronoiFill()
@@ -66,7 +184,7 @@ def test_mistakes_are_named() -> None:
 
 @pytest.mark.parametrize(
     ("library", "line"),
-    [("build123d", "pip install 'build123d==0.12.*'"), ("cadquery", "'v3dcad[cadquery]'")],
+    [("build123d", "pip install 'v3dcad[build123d]'"), ("cadquery", "'v3dcad[cadquery]'")],
 )
 def test_a_missing_library_is_named_with_the_pip_line(library: str, line: str) -> None:
     code = (

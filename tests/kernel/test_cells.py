@@ -225,7 +225,7 @@ def test_walls_with_welded_corners_are_sound() -> None:
 
 def box_of_foam(cell_size: float) -> tuple[Structure, Floats]:
     """A foam in a box, and its sites where the box lies."""
-    structure = v3dcad.fill(Box(20, 16, 12), cell_size=cell_size, layer_height=1.0)
+    structure = v3dcad.fill(Box(20, 16, 12).wrapped, cell_size=cell_size, layer_height=1.0)
     return structure, structure.placement.to_source(structure.sites)
 
 

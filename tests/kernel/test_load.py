@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 from OCP.BRep import BRep_Builder
+from OCP.BRepTools import BRepTools
 from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.Interface import Interface_Static
 from OCP.STEPCAFControl import STEPCAFControl_Writer
@@ -162,3 +164,26 @@ def test_another_librarys_unit_changes_nothing(unit: str, samples: Path) -> None
     finally:
         Interface_Static.SetCVal_s("xstep.cascade.unit", before)
     assert np.array_equal(found, expected)
+
+
+def written(shape) -> str:
+    """All that a shape is: geometry, tolerances, triangles, flags."""
+    stream = BytesIO()
+    BRepTools.Write_s(shape, stream)
+    return stream.getvalue().decode()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        inverted_face,
+        lambda: compound(list(subshapes(shapes.box((0, 0, 0), (1, 2, 3)), FACE))),
+        lambda: shapes.box((0, 0, 0), (1, 2, 3)).Reversed(),
+        lambda: shapes.cylinder(2.0, 5.0),
+    ],
+)
+def test_the_callers_own_shape_stays_as_it_is(make) -> None:
+    shape = make()
+    before = written(shape)
+    v3dcad.fill(shape, cell_size=1.0, layer_height=0.5).solid(0.1)
+    assert written(shape) == before

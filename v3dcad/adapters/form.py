@@ -7,6 +7,7 @@ from typing import Any
 from v3dcad.errors import SettingError
 from v3dcad.forms import FORMS
 from v3dcad.pipeline import Structure, fill
+from v3dcad.sources import bare
 
 SIZES = {
     "solid": ("thickness", "skin"),
@@ -32,5 +33,5 @@ def shape_of(source: Any, form: str, settings: dict[str, Any]) -> tuple[Any, Str
     if form == "cells":
         from v3dcad.kernel.shapes import compound
 
-        made = compound(made)
-    return made, structure
+        made = compound(map(bare, made))
+    return bare(made), structure

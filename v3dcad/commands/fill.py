@@ -11,7 +11,17 @@ import typer
 from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.estimate import estimated, tell
 from v3dcad.commands.outputs import check_outputs
-from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.part_options import (
+    AsBrep,
+    PartFile,
+    Repair,
+    Rotate,
+    Scale,
+    Unit,
+    Up,
+    part_of,
+)
+from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
@@ -45,12 +55,7 @@ def fill(
             metavar="CSV", help="Sites as x,y,z in mm, or x,y for columns; bed coordinates."
         ),
     ] = None,
-    profile: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME|TOML", help="Machine profile, as prusa-mk4, or a file of yours."
-        ),
-    ] = None,
+    profile: Profile = None,
     ont: OutputFile = None,
     gcode: OutputFile = None,
     step: OutputFile = None,
@@ -69,6 +74,8 @@ def fill(
     up: Up = None,
     repair: Repair = False,
     as_brep: AsBrep = False,
+    unit: Unit = None,
+    scale: Scale = None,
     **settings: Any,
 ) -> None:
     """Fill PART and write .ont, G-code, STEP, a picture and a report."""
@@ -82,19 +89,22 @@ def fill(
 
     if part.suffix.lower() not in ONT:
         known_settings(chosen)  # all that can be known before the part is read
-    printing = _print_settings(profile, settings)
-    load_engine()
-    from v3dcad.exports import export
-    from v3dcad.pipeline import fill as fill_part
+    printing = print_settings(profile, settings)
+    # Loading, filling, the certificate (with the report), and each other file.
+    steps = 3 + len(files.keys() - {"report"})
+    with Progress(f"filling {part.name}", steps) as progress:
+        progress.start("loading the engine")
+        load_engine()
+        from v3dcad.exports import export
+        from v3dcad.pipeline import fill as fill_part
 
-    if sites_file is not None:
-        from v3dcad.formats.sites_csv import read_sites
+        if sites_file is not None:
+            from v3dcad.formats.sites_csv import read_sites
 
-        check_readable(sites_file)
-        chosen["sites"] = read_sites(sites_file)
-    with Progress() as progress:
+            check_readable(sites_file)
+            chosen["sites"] = read_sites(sites_file)
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep)
+        source = part_of(part, rotate, up, repair, as_brep, unit, scale)
         if source is not None and sites_file is None:
             expected = estimated(source.bounds, known_settings(chosen))
             if expected is not None:
@@ -105,32 +115,18 @@ def fill(
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
-            progress.start(f"writing {file}")
+            if kind != "report":
+                progress.start(f"writing {file}")
             if kind == "gcode":
                 printed = watched.write_gcode(file, printing)
             elif kind != "report":
-                export(watched, kind, file, exporting, printing.bead_width)
+                export(watched, kind, file, exporting, printing.bead_width, printed)
         progress.start("checking what holds up each layer")
         if "report" in files:
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
     _print_summary(structure, summary, files)
-
-
-def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
-    """What a profile says, unless an option says otherwise; `SettingError` for nonsense."""
-    known: dict[str, Any] = {}
-    if profile is not None:
-        from v3dcad.formats.gcode.machine_profile import read_profile
-
-        known = read_profile(profile)
-    from v3dcad.formats.gcode.blocks import check_blocks
-
-    chosen = PrintSettings(**{**known, **given(PrintSettings, settings)})
-    chosen.bed_size()
-    check_blocks(chosen)
-    return chosen
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
@@ -183,8 +179,9 @@ def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def info(file: PartFile) -> None:
+def info(file: PartFile, repair: Repair = False, unit: Unit = None, scale: Scale = None) -> None:
     """Tell what a part or an .ont file holds."""
-    from v3dcad.recipes import describe
+    from v3dcad.recipes import describe, describe_ont
 
-    print_rows(describe(file).items())
+    part = part_of(file, repair=repair, unit=unit, scale=scale)
+    print_rows((describe_ont(file) if part is None else describe(part)).items())

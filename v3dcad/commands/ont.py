@@ -19,9 +19,9 @@ File = Annotated[Path, typer.Argument(help="An .ont file.")]
 @ont_app.command()
 def info(file: File) -> None:
     """Tell what an .ont file holds."""
-    from v3dcad.recipes import describe
+    from v3dcad.recipes import describe_ont
 
-    print_rows(describe(file).items())
+    print_rows(describe_ont(file).items())
 
 
 @ont_app.command()

@@ -10,6 +10,9 @@ from v3dcad.errors import SettingError
 from v3dcad.exports import KINDS, PICTURES
 from v3dcad.files import is_stream
 
+ENDINGS = {**KINDS, "report": (".json",), "html": (".html", ".htm")}
+"""Kinds of files that commands write, and how their names end."""
+
 OPTIONS = {"threemf": "--3mf"}
 """Kinds whose option is named otherwise."""
 
@@ -37,8 +40,8 @@ def check_outputs(part: Path, files: Mapping[str, Path]) -> None:
 
 
 def _check_ending(kind: str, option: str, file: Path) -> None:
-    own = KINDS.get(kind, (".json",))
-    others = {*PICTURES, *(ending for endings in KINDS.values() for ending in endings)} - {*own}
+    own = ENDINGS[kind]
+    others = {*PICTURES, *(ending for endings in ENDINGS.values() for ending in endings)} - {*own}
     if file.suffix.lower() in others:
         message = f"{option} {file}: ends as another kind of file; name it {file.stem}{own[0]}"
         raise SettingError(kind, message)

@@ -10,7 +10,16 @@ import typer
 
 from v3dcad.commands.compiling import tell_of_compiling
 from v3dcad.commands.outputs import check_outputs
-from v3dcad.commands.part_options import AsBrep, PartFile, Repair, Rotate, Up, part_of
+from v3dcad.commands.part_options import (
+    AsBrep,
+    PartFile,
+    Repair,
+    Rotate,
+    Scale,
+    Unit,
+    Up,
+    part_of,
+)
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import FormatError, SettingError
@@ -29,6 +38,8 @@ def slice_part(
     up: Up = None,
     repair: Repair = False,
     as_brep: AsBrep = False,
+    unit: Unit = None,
+    scale: Scale = None,
     **settings: Any,
 ) -> None:
     """Cut PART into sections: STEP with exact lines and arcs, SVG."""
@@ -42,9 +53,9 @@ def slice_part(
     from v3dcad.exports import written_line
     from v3dcad.slicing import section, write_sections_step, write_sections_svg
 
-    with Progress() as progress:
+    with Progress(f"cutting {part.name}", 2 + len(files)) as progress:
         progress.start("reading the part")
-        found = part_of(part, rotate, up, repair, as_brep)
+        found = part_of(part, rotate, up, repair, as_brep, unit, scale)
         if found is None:
             message = "slice the part that it was made from; fill makes its structure"
             raise FormatError(message, path=str(part))

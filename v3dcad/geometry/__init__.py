@@ -4,6 +4,7 @@ compiled                  the one door to numba
 power_diagram, clipping   power diagrams of points, and what lies inside a section's rings
 voronoi                   the walls of sites in space
 graphs                    spanning trees, trails
+loops                     loops inside cells, joined to one closed curve
 surface, mesh             sections of true surfaces and of triangles
 solid                     facets, convex cells, bars
 arcs, drawing, section_area, print_time

@@ -16,6 +16,7 @@ from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Shell, TopoDS_Solid
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
+from v3dcad.arguments import above_zero
 from v3dcad.errors import KernelError
 from v3dcad.geometry.solid.convex_cells import hollows
 from v3dcad.geometry.solid.enclosed import (
@@ -44,7 +45,6 @@ from v3dcad.kernel.shapes import (
     volume,
 )
 from v3dcad.model import Floats, Placement
-from v3dcad.settings import check_size
 
 MARGIN = 1.0
 """mm that the cells of thick walls reach beyond the part, so that no side of theirs lies in its."""
@@ -200,7 +200,7 @@ def thick_walls(
     that closes all cells, `KernelError` where OCCT fails or its result has no sound volume.
     """
     if skin:
-        check_size("skin", skin)
+        above_zero("skin", skin)
     low, high = bounds(solid)
     moved = walls.moved(placement.to_source(walls.points))
     cells = [convex_solid(cell) for cell in hollows(moved, thickness, low - MARGIN, high + MARGIN)]

@@ -19,8 +19,10 @@ TAIL = 4096
 """Bytes at the end of a STEP file in which its end marker must be."""
 
 
-def load_step(path: Path) -> SolidPart:
+def load_step(path: Path, factor: float = 1.0) -> SolidPart:
     """The solids of a STEP file, in mm whatever the file's unit, assemblies in place.
+
+    They are made larger by `factor`, about the origin.
 
     Raises `FormatError` where the file is not STEP, is cut off or cannot be read, `KernelError`
     where it contains no closed solid.
@@ -41,7 +43,7 @@ def load_step(path: Path) -> SolidPart:
     reader.SetSystemLengthUnit(1.0)  # mm, whatever unit another library has set for the process
     if not done or not reader.TransferRoots():
         raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
-    part = solid_part(reader.OneShape(), path.stem, str(path))
+    part = solid_part(reader.OneShape(), path.stem, str(path), factor)
     model = reader.Model()
     numbers = range(1, model.NbEntities() + 1)
     unread = sum(model.IsUnknownEntity(k) or model.IsRedefinedContent(k) for k in numbers)
@@ -49,8 +51,8 @@ def load_step(path: Path) -> SolidPart:
     return replace(part, findings=(*lost, *part.findings))
 
 
-def load_brep(path: Path) -> SolidPart:
-    """The solids of a BREP file, text or binary. Raises as `load_step` does."""
+def load_brep(path: Path, factor: float = 1.0) -> SolidPart:
+    """The solids of a BREP file, text or binary, as `load_step` has them, and raises."""
     with path.open("rb") as file:
         head = file.read(512)
     shape = TopoDS_Shape()
@@ -60,4 +62,4 @@ def load_brep(path: Path) -> SolidPart:
         BRepTools.Read_s(shape, str(path), BRep_Builder())
     if shape.IsNull():
         raise FormatError("OCCT cannot read this as BREP; export it again", path=str(path))
-    return solid_part(shape, path.stem, str(path))
+    return solid_part(shape, path.stem, str(path), factor)

@@ -19,6 +19,7 @@ from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS, TopoDS_Shape
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
+from v3dcad.arguments import numbers, place
 from v3dcad.errors import KernelError, SettingError
 from v3dcad.geometry.mesh.bodies import overlap_findings
 from v3dcad.geometry.section_union import united
@@ -36,6 +37,7 @@ from v3dcad.kernel.shapes import (
     bounds,
     compound,
     location,
+    scaled,
     subshapes,
     volume,
 )
@@ -73,6 +75,8 @@ class SolidPart:
     """how it came to where it is from where its source lies"""
     overlap: float = 0.0
     """mm³, by how much the sum of the solids' volumes exceeds that of their union"""
+    library: str = ""
+    """the CAD library that its shapes are given back to: "build123d", "cadquery" or none"""
 
     def __repr__(self) -> str:
         return f"<SolidPart {part_words(self)}>"
@@ -88,22 +92,19 @@ class SolidPart:
     def normal(self, face: int) -> Floats:
         """(3,) outward unit normal of a plane face, by its number from 0."""
         faces = list(subshapes(self.shape, FACE))
-        if not 0 <= face < len(faces):
-            raise SettingError("up", f"--up {face}: the part's faces are 0 to {len(faces) - 1}")
-        surface = BRepAdaptor_Surface(TopoDS.Face_s(faces[face]))
+        chosen = faces[place("up", face, len(faces), "part's faces")]
+        surface = BRepAdaptor_Surface(TopoDS.Face_s(chosen))
         if surface.GetType() != GeomAbs_Plane:
             raise SettingError("up", f"--up {face}: this face is not plane; name another")
         frame = surface.Plane().Position()
         axis = np.cross(frame.XDirection().Coord(), frame.YDirection().Coord())
-        return -axis if faces[face].Orientation() == TopAbs_REVERSED else axis
+        return -axis if chosen.Orientation() == TopAbs_REVERSED else axis
 
     def face_mesh(self, faces: tuple[int, ...]) -> Mesh:
         """Some faces as triangles, by their numbers from 0, within `MESH_SAG` of them."""
         count = sum(1 for _ in subshapes(self.shape, FACE))
-        for face in faces:
-            if not 0 <= face < count:
-                raise SettingError("faces", f"face {face}: the part's faces are 0 to {count - 1}")
-        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN, faces)
+        chosen = tuple(place("face", face, count, "part's faces") for face in faces)
+        return triangle_mesh(self.shape, MESH_SAG, MESH_TURN, chosen)
 
     def placed(self, placement: Placement) -> SolidPart:
         """The same solids, moved; where they are only shifted, their bounds go with them."""
@@ -121,7 +122,8 @@ class SolidPart:
         executor: Executor | None = None,
     ) -> Sequence[Section]:
         """Sections of the exact surfaces at ascending heights (mm); solids that meet are one."""
-        found = section_solids(prepared(self.shape), heights, chord_tolerance, executor)
+        planes = numbers("heights", heights)
+        found = section_solids(prepared(self.shape), planes, chord_tolerance, executor)
         return united(list(found), chord_tolerance, solids_meet(self.shape))
 
     def exact(self, layer: Layer) -> Layer:
@@ -133,14 +135,18 @@ class SolidPart:
         return triangle_mesh(one_body(self.shape), MESH_SAG, MESH_TURN)
 
 
-def solid_part(shape: TopoDS_Shape, name: str, where: str) -> SolidPart:
+def solid_part(shape: TopoDS_Shape, name: str, where: str, factor: float = 1.0) -> SolidPart:
     """The solids of any shape as a part, healed where OCCT finds faults in them.
+
+    They are made larger by `factor`, about the origin.
 
     Solids that are inside out are turned; faces that enclose something without being a solid are
     sewn. Findings say what was left out, turned, sewn and healed. `KernelError`, naming `where`, if
     the shape holds no solid, or one that is not closed.
     """
     findings: list[str] = []
+    if factor != 1:
+        shape = scaled(shape, factor)
     solids = [upright(solid, findings) for solid in subshapes(shape, SOLID)]
     if solids:
         stray = sum(1 for _ in subshapes(shape, FACE, SOLID))

@@ -11,6 +11,7 @@ from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 from OCP.BRepGProp import BRepGProp
 from OCP.GeomAbs import GeomAbs_Line, GeomAbs_Plane
 from OCP.gp import gp_Trsf
@@ -120,6 +121,13 @@ def quartered(shape: TopoDS_Shape) -> TopoDS_Shape:
     mended = ShapeFix_Shape(divided.Result())  # which OCCT leaves with faces turned inside out
     mended.Perform()
     return mended.Shape()
+
+
+def scaled(shape: TopoDS_Shape, factor: float) -> TopoDS_Shape:
+    """A copy of a shape that is larger by a factor, about the origin."""
+    larger = gp_Trsf()
+    larger.SetScaleFactor(factor)
+    return BRepBuilderAPI_Transform(shape, larger, True).Shape()
 
 
 def location(placement: Placement) -> TopLoc_Location:

@@ -10,6 +10,7 @@ from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 
+from v3dcad.arguments import above_zero
 from v3dcad.errors import KernelError
 from v3dcad.geometry.mesh.boolean import manifold, mesh_volume
 from v3dcad.geometry.solid.bar_meshes import bar_mesh
@@ -17,7 +18,6 @@ from v3dcad.kernel.booleans import common, fused
 from v3dcad.kernel.mesh import triangle_mesh
 from v3dcad.kernel.shapes import SOLID, area, subshapes, volume
 from v3dcad.model import Floats, Ints
-from v3dcad.settings import check_size
 
 FUSE_LIMIT = 200
 """Struts that OCCT unites soundly: at 969 its result was invalid."""
@@ -38,7 +38,7 @@ def bars(points: Floats, struts: Ints, diameter: float) -> list[TopoDS_Shape]:
     `points` (v, 3), mm, `struts` (s, 2) point ids. Raises `SettingError` for a diameter of 0,
     `KernelError` where there are no struts.
     """
-    check_size("diameter", diameter)
+    above_zero("diameter", diameter)
     if not len(struts):
         raise KernelError("there are no struts: no three cells meet; give more sites")
     cylinders = []

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from v3dcad.arguments import rows
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.solid.facets import Facets
 from v3dcad.model import Checksum, Diagram, Floats, Ints, Layer, Section
@@ -48,12 +49,18 @@ def fill_sections(
     """
     refuse_heights(sections)
     refuse_rings(sections)
+    if len(sections) and not any(section.rings for section in sections):
+        raise GeometryError("no section has a ring: there is nothing to fill")
     if box is None:
         box = rings_box(sections)
         if not np.isfinite(box).all():
             raise GeometryError("no section has a ring: there is nothing to fill")
-    elif not np.isfinite(box).all():
-        raise GeometryError("the corners of the base rectangle are not finite numbers")
+    else:
+        box = rows("box", box, "x, y")
+        if len(box) != 2:
+            raise GeometryError(f"the base rectangle has two corners, not {len(box)}: box (2, 2)")
+        if not np.isfinite(box).all():
+            raise GeometryError("the corners of the base rectangle are not finite numbers")
     if settings.method == "thesis":
         return thesis_filling(sections, sites, settings, box)
     top = (sections[-1].z if sections else 0.0) + settings.layer_height
@@ -207,6 +214,8 @@ def refuse_rings(sections: Sequence[Section]) -> None:
     for start in range(0, len(sections), AT_ONCE):
         chunk = sections[start : start + AT_ONCE]
         for layer, section in enumerate(chunk, start):
+            if any(ring.ndim != 2 or ring.shape[1] != 2 for ring in section.rings):
+                raise GeometryError("one of its rings is not made of rows of x, y", layer=layer)
             if any(len(ring) < 3 for ring in section.rings):
                 raise GeometryError("one of its rings has fewer than three corners", layer=layer)
         rings = [ring for section in chunk for ring in section.rings]

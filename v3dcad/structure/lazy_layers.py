@@ -6,6 +6,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import overload
 
+from v3dcad.arguments import place
 from v3dcad.model import Layer
 
 
@@ -24,5 +25,6 @@ class LayerSequence(Sequence[Layer]):
     @overload
     def __getitem__(self, index: slice) -> list[Layer]: ...
     def __getitem__(self, index: int | slice) -> Layer | list[Layer]:
-        chosen = range(len(self))[index]
-        return self.layer(chosen) if isinstance(chosen, int) else [*map(self.layer, chosen)]
+        if isinstance(index, slice):
+            return [*map(self.layer, range(len(self))[index])]
+        return self.layer(place("layer", index, len(self), "layers", from_end=True))

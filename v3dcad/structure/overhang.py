@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from v3dcad.arguments import above_zero
 from v3dcad.geometry.power_diagram.grid import Grid, curve_order
 from v3dcad.geometry.power_diagram.regular_triangulation import neighbour_pairs, triangulation
 from v3dcad.geometry.section_area import contour_lines, section_area
@@ -48,7 +49,11 @@ class Overhang(Value):
 
 
 def overhang(layers: Iterable[Layer], bead_width: float) -> Overhang:
-    """The certificate of a stack of layers (ascending), for beads of a width in mm."""
+    """The certificate of a stack of layers (ascending), for beads of a width in mm.
+
+    Raises `SettingError` for a width that is not above 0.
+    """
+    bead_width = above_zero("bead_width", bead_width)
     rows: list[tuple[float, ...]] = []
     below: Layer | None = None
     for layer in layers:

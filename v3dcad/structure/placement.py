@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from v3dcad.arguments import numbers
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Placement
 
@@ -35,11 +36,9 @@ def turned(degrees: Sequence[float]) -> Placement:
 
     `SettingError` unless there are three finite numbers.
     """
-    if len(degrees) != 3 or not np.all(np.isfinite(degrees)):
-        raise SettingError("rotate", "--rotate: give three angles in degrees, such as 90,0,0")
     rotation = np.eye(3)
-    for axis, angle in enumerate(degrees):
-        quarters, rest = divmod(float(angle), 90.0)
+    for axis, angle in enumerate(numbers("rotate", degrees, 3).tolist()):
+        quarters, rest = divmod(angle, 90.0)
         cosine, sine = np.cos(np.radians(rest)), np.sin(np.radians(rest))
         for _ in range(int(quarters % 4)):
             cosine, sine = -sine, cosine
@@ -60,8 +59,8 @@ def upward(direction: Floats) -> Placement:
     return Placement(np.eye(3) + tilt + tilt @ tilt / (1 + z), np.zeros(3))
 
 
-def layer_heights(top: float, layer_height: float) -> Floats:
-    """The heights 0, h, 2h, … below `top`, mm.
+def layer_heights(top: float, layer_height: float, above: float = 0.0) -> Floats:
+    """The heights a, a + h, a + 2h, … below `top`, mm, for sections `above` their layer's base.
 
     `SettingError` where h is above the part, or so small that they are more than `MOST_LAYERS`.
     """
@@ -71,7 +70,7 @@ def layer_heights(top: float, layer_height: float) -> Floats:
             f"--layer-height {layer_height:g}: the part is only {top:g} mm high; "
             "give a smaller layer height",
         )
-    layers = (top - TOP) / layer_height
+    layers = (top - above - TOP) / layer_height
     if layers > MOST_LAYERS:
         raise SettingError(
             "layer_height",
@@ -79,4 +78,4 @@ def layer_heights(top: float, layer_height: float) -> Floats:
             f"give at least {top / MOST_LAYERS:.2g}",
         )
     count = int(np.ceil(layers))
-    return np.arange(float(max(count, 1))) * layer_height
+    return np.arange(float(max(count, 1))) * layer_height + above

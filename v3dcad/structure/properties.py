@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from v3dcad.errors import SettingError
+from v3dcad.arguments import above_zero
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer, Value
 
@@ -44,16 +44,15 @@ class Properties(Value):
 
 def properties(
     layers: Iterable[Layer], layer_height: float, bead_width: float, density: float,
-    perimeters: int = 1,
+    perimeters: int = 1, *, base: float = 0.0,
 ) -> Properties:  # fmt: skip
-    """Integrate over layers, each as high as `layer_height`, mm.
+    """Integrate over layers, each as high as `layer_height`, mm, from `base` mm over its section.
 
     Walls are `bead_width` mm wide, contours `perimeters` beads inwards; `density` in g/cm³.
     Raises `SettingError` for a width or density that is not above 0.
     """
-    for name, value in (("bead_width", bead_width), ("density", density)):
-        if not value > 0:
-            raise SettingError(name, f"{name} {value}: give a number above 0")
+    bead_width = above_zero("bead_width", bead_width)
+    density = above_zero("density", density, "g/cm³")
     moments = np.zeros((2, 10))
     for layer in layers:
         if layer.section.rings:
@@ -61,7 +60,7 @@ def properties(
             solid = _plane_moments(area)
             hollow = _plane_moments(_voids(layer, area, bead_width, perimeters))
             for row, plane in enumerate((solid - hollow, solid)):
-                moments[row] += _slab_moments(plane, layer.z, layer_height)
+                moments[row] += _slab_moments(plane, layer.z + base, layer_height)
     volume, x, y, z, xx, yy, zz, xy, xz, yz = moments[0]
     if volume <= 0:
         return Properties(0.0, 0.0, 0.0, np.zeros(3), np.zeros((3, 3)))

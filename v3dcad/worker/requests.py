@@ -15,7 +15,7 @@ from v3dcad.exports import export, kind_of, print_lines, written_line
 from v3dcad.model import Floats
 from v3dcad.pipeline import Structure
 from v3dcad.recipes import given_sites, known_settings, part_of, read_ont, sites_of
-from v3dcad.report import certificate_line
+from v3dcad.report import certificate_line, graded_line
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 from v3dcad.version import VERSION
 from v3dcad.view.targets.whole import all_edges
@@ -83,6 +83,7 @@ class Work:
             printing.wall_width(), printing.filament_density
         )
         foam = told.get("foam")
+        sizes = [f"cell sizes: {graded_line(told['graded'])}"] if "graded" in told else []
         return {
             "layers": told["layers"],
             "cells": told["cells"],
@@ -91,7 +92,7 @@ class Work:
             "wall_length": told["wall_length_mm"],
             "certificate": certificate_line(told["overhang"]),
             "mass": weighed.mass,
-            "findings": structure.findings(),
+            "findings": [*structure.findings(), *sizes],
         }
 
     def layer(self) -> dict[str, Any]:
@@ -208,7 +209,8 @@ class Work:
         height = self._optional("height", float)
         if height is None:
             return self._optional("layer", int) or 0
-        above = height / structure.settings.layer_height
+        settings = structure.settings
+        above = (height - settings.section_above()) / settings.layer_height
         return int(np.clip(round(above), 0, max(len(structure.layers) - 1, 0)))
 
     def _printing(self) -> PrintSettings:

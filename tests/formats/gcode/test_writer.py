@@ -203,6 +203,21 @@ def test_the_fan_speeds_up_evenly() -> None:
     assert found == [("1", "85"), ("2", "170"), ("3", "255")]
 
 
+def test_the_fan_has_its_own_power_on_bridges_and_only_there() -> None:
+    options = {"open": False, "bottom_layers": 0, "top_layers": 2, "fan": 40.0, "bridge_fan": 100.0}
+    text, _ = written([*stack(6)], fan_from_layer=1, fan_full_layer=1, **options)
+    text = text[text.index(";LAYER:1") :].replace(";BRIDGE\n;TYPE:SKIN", ";TYPE:BRIDGE")
+    power, what, seen = 0, "", set()
+    for line in text.splitlines():
+        if line.startswith("M106"):
+            power = int(line[6:])
+        elif line.startswith(";TYPE:"):
+            what = line[6:]
+        elif re.match(r"G1 X.* E", line):
+            seen.add((what, power))
+    assert seen == {("WALL-OUTER", 102), ("FILL", 102), ("BRIDGE", 255), ("SKIN", 102)}
+
+
 @pytest.mark.parametrize("extrusion", ["absolute", "relative"])
 @pytest.mark.parametrize("bed_origin", ["corner", "centre"])
 def test_the_prime_line_lies_on_the_bed_and_lays_what_it_has_room_for(

@@ -202,10 +202,18 @@ def test_a_foam_lists_the_sites_that_were_given_and_no_others() -> None:
 
 
 def test_what_a_foam_s_settings_look_like() -> None:
-    ours = "method = {}\ncell_size = {}\nstretch = {}\nmax_overhang = 45\nrandom_seed = 7\n"
+    ours = "method = {}\ncell_size = {}\nstretch = {}\nheights = middle\nmax_overhang = 45\n"
+    ours += "random_seed = 7\n"
     assert "[SETTINGS]\n" + ours.format("foam", "6.5", "1.25") + "[BOUNDARY]" in UNIFORM
     assert ours.format("foam", "auto", "1.25") in IN_SPACE
     assert ours.format("foam", "auto", "columns") in COLUMNS
+
+
+def test_a_foam_s_file_that_does_not_say_heights_is_older_than_they_are() -> None:
+    assert "heights = middle\n" in UNIFORM
+    old = UNIFORM.replace("heights = middle\n", "")
+    assert read(old).settings.heights == "bottom"
+    assert read(UNIFORM).settings.heights == "middle"
 
 
 def test_of_the_thesis_s_settings_those_that_differ_are_written() -> None:

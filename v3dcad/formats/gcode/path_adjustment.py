@@ -45,7 +45,7 @@ def adjust(
     `G92 E0`, the position is unknown. One line is held back; memory does not grow. Raises
     `SettingError` for a retraction that is not a number from 0 to 50.
     """
-    Declared("", unit="mm", least=0, most=50).check("retraction", retraction)
+    Declared("", unit="mm", least=0, most=50).checked("retraction", retraction)
     counted = counted if counted is not None else Adjusted()
     held: str | None = None
     height: float | None = None

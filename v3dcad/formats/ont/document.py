@@ -155,7 +155,7 @@ def _section(sections: dict[str, Body], name: str, path: str) -> Body:
 def _setting(body: Body, name: str) -> float:
     value = body.number()
     try:
-        declared(FillSettings, name).check(name, value)
+        declared(FillSettings, name).checked(name, value)
     except SettingError as error:
         raise body.error(error.message) from error
     return value

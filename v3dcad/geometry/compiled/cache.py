@@ -30,7 +30,7 @@ NOTE = "compiled-sources"
 
 COMPILED_FOLDERS = ("geometry", "structure")
 """The folders, at any depth, with compiled functions that call others in other files. The few in
-`formats` and `toolpath` call none: numba itself sees when their file has changed."""
+`formats` call none: numba itself sees when their file has changed."""
 
 config: Any = _config
 

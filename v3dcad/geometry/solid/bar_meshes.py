@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from manifold3d import CrossSection, FillRule, Manifold
 
+from v3dcad.arguments import above_zero
 from v3dcad.geometry.mesh.boolean import united
 from v3dcad.model import Floats, Ints, Layer, Mesh
-from v3dcad.settings import check_size
 
 SIDES = 12
 """Sides of the prism that represents a round bar."""
@@ -21,7 +21,7 @@ def bar_mesh(points: Floats, struts: Ints, diameter: float, sides: int = SIDES) 
 
     `sides` are those of a prism and of a ball; the more, the closer they are to round ones.
     """
-    check_size("diameter", diameter)
+    above_zero("diameter", diameter)
     radius = diameter / 2
     ball = Manifold.sphere(radius, sides)
     joints = [ball.translate(point) for point in points[np.unique(struts)].tolist()]
@@ -39,19 +39,19 @@ def _frames(ends: Floats) -> Floats:
     return np.stack([first, np.cross(unit, first), along, ends[:, 0]], axis=2)
 
 
-def bead_mesh(layers: Iterable[Layer], width: float, height: float) -> Mesh:
+def bead_mesh(layers: Iterable[Layer], width: float, height: float, base: float = 0.0) -> Mesh:
     """What is printed, as one closed mesh: each layer's lines, `width` wide and `height` high (mm).
 
-    Lines have round ends and corners, true to a hundredth of the width. A layer's bead stands on
-    the layer's height.
+    Lines have round ends and corners, true to a hundredth of the width. A layer's bead stands
+    `base` mm over the layer's height.
     """
-    check_size("width", width)
-    check_size("height", height)
+    above_zero("width", width)
+    above_zero("height", height)
     return united(
         [
             CrossSection(_outlines(layer, width), FillRule.EvenOdd)
             .extrude(height)
-            .translate((0, 0, layer.z))
+            .translate((0, 0, layer.z + base))
             for layer in layers
             if len(layer.diagram.edges)
         ]
@@ -70,12 +70,15 @@ def _outlines(layer: Layer, width: float) -> list[Floats]:
     ]
 
 
-def wall_strips(layers: Iterable[Layer], height: float) -> Mesh:
-    """Each edge of each layer as an upright strip of two triangles, without a thickness."""
+def wall_strips(layers: Iterable[Layer], height: float, base: float = 0.0) -> Mesh:
+    """Each edge of each layer as an upright strip of two triangles, without a thickness.
+
+    Strips are `height` high and begin `base` over the layer's height, mm.
+    """
     corners = []
     for layer in layers:
         ends = layer.diagram.vertices[layer.diagram.edges]
-        low = np.dstack([ends, np.full(ends.shape[:2], layer.z)])
+        low = np.dstack([ends, np.full(ends.shape[:2], layer.z + base)])
         high = low + np.array([0.0, 0.0, height])
         a, b, c, d = low[:, 0], low[:, 1], high[:, 1], high[:, 0]
         corners.append(np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3))

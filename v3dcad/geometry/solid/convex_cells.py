@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from v3dcad.arguments import above_zero
 from v3dcad.errors import SettingError
 from v3dcad.geometry.solid.facets import Facets
 from v3dcad.model import Floats, Ints, Mesh
-from v3dcad.settings import check_size
 
 
 class Polyhedron(NamedTuple):
@@ -131,7 +131,7 @@ def hollows(walls: Facets, thickness: float, low: Floats, high: Floats) -> list[
 
     Warns how many cells close up; raises `SettingError` where all do, and for a thickness of 0.
     """
-    check_size("thickness", thickness)
+    above_zero("thickness", thickness)
     cells = inset_cells(walls, thickness / 2, low, high)
     if not cells:
         raise SettingError(
@@ -146,7 +146,7 @@ def check_diameter(walls: Facets, diameter: float, low: Floats, high: Floats) ->
 
     Raises `SettingError` for a diameter of 0.
     """
-    check_size("diameter", diameter)
+    above_zero("diameter", diameter)
     whole, closed = box(low, high), 0
     for planes, middle in _half_spaces(walls, diameter / 2).values():
         # Mostly the middle of a cell shows that it stays open.

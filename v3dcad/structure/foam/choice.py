@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from v3dcad.arguments import rows
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats
 from v3dcad.settings import FillSettings
@@ -31,7 +32,7 @@ def foam_for(
     not fit the part or each other, `GeometryError` for sites that cannot be computed with.
     """
     if sites is not None:
-        return _given(low, high, np.asarray(sites, np.float64), settings)
+        return _given(low, high, rows("sites", sites, "x, y, z", "x, y for columns"), settings)
     columns = settings.stretch == "columns"
     least = stretch_for(settings.max_overhang)
     stretch = np.inf if columns else settled_stretch(settings, least, least, "walls")
@@ -87,10 +88,6 @@ def _columns(low: Floats, high: Floats, cell_size: float, random_seed: int) -> F
 def _given(
     low: Floats, high: Floats, sites: Floats, settings: FillSettings
 ) -> tuple[FoamSites, FillSettings]:
-    if sites.ndim != 2 or sites.shape[1] not in (2, 3):
-        raise SettingError(
-            "sites", f"sites of shape {sites.shape}: give rows of x, y, z, or of x, y for columns"
-        )
     if sites.shape[1] == 2:
         return column_sites(sites, low, high), replace(settings, stretch="columns")
     if isinstance(settings.stretch, str):

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from v3dcad.arguments import rows
 from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.graphs.spanning_tree import spanning_tree
 from v3dcad.geometry.power_diagram.grid import Grid
@@ -251,11 +252,9 @@ def thesis_filling(
     """
     if sites is None:
         sites = scatter_sites(box, settings.sites, settings.random_seed)
-    sites = np.ascontiguousarray(sites, np.float64)
-    if sites.ndim != 2 or sites.shape[1] != 2 or not len(sites):
-        raise SettingError(
-            "sites", "--method thesis takes sites as rows of x, y; give at least one"
-        )
+    sites = rows("sites", sites, "x, y")
+    if not len(sites):
+        raise SettingError("sites", "--method thesis takes sites: give at least one")
     low, high = _around(sites, box)
     grid = Grid.around(low, high)
     places = grid.snap(sites)

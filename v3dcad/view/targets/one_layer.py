@@ -102,9 +102,10 @@ def _neighbours(layer: Layer, cell: int, target: str, neighbour: int | None) -> 
     title = f"{len(beside)} neighbours of cell {cell}"
     if target == "neighbour":
         if neighbour not in beside:
+            asked = "no neighbour is chosen" if neighbour is None else f"neighbour {neighbour}"
             raise SettingError(
                 "neighbour",
-                f"neighbour {neighbour}: the neighbours of cell {cell} on layer {layer.index} are "
+                f"{asked}: the neighbours of cell {cell} on layer {layer.index} are "
                 f"{_listed(beside)}",
             )
         beside = np.array([neighbour])
@@ -124,8 +125,9 @@ def _known(layer: Layer, cell: int | None) -> int:
     """A site that has a cell on the layer; `SettingError` for any other."""
     cells = layer.diagram.sites()
     if cell is None or cell not in cells:
+        asked = "no cell is chosen" if cell is None else f"cell {cell}"
         raise SettingError(
-            "cell", f"cell {cell}: the cells of layer {layer.index} are {_listed(cells)}"
+            "cell", f"{asked}: the cells of layer {layer.index} are {_listed(cells)}"
         )
     return cell
 
