@@ -86,7 +86,7 @@ def test_a_fill_near_faces_lists_its_sites_in_ont(tmp_path: Path) -> None:
     assert told["asked_mm"] == pytest.approx([2, 6], abs=0.1)
     filled.write_ont(tmp_path / "a.ont")
     assert v3dcad.fill(tmp_path / "a.ont").checksum() == filled.checksum()
-    with pytest.raises(SettingError, match="--random-seed: the file lists its sites"):
+    with pytest.raises(SettingError, match="random_seed: the file lists its sites"):
         v3dcad.fill(tmp_path / "a.ont", random_seed=1)
     other = v3dcad.fill(tmp_path / "a.ont", random_seed=1, cell_size="3 + 0.1 * (z + 11)")
     assert other.graded is not None

@@ -102,6 +102,7 @@ MAY_IMPORT = {
 GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
+    "drawing": set(),
     "graphs": set(),
     "loops": {"compiled", "power_diagram"},
     "section_area": set(),

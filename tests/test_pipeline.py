@@ -187,7 +187,7 @@ def test_step_by_an_independent_reading(samples: Path, tmp_path: Path) -> None:
     names = re.findall(r"PRODUCT\('([^']*)'", text)
     for layer in pyramid.layers:
         assert f"layer {layer.index} z {layer.z:g}" in names
-    polylines = re.findall(r"B_SPLINE_CURVE_WITH_KNOTS\('',1,\(([^)]*)\)", text)
+    polylines = re.findall(r"POLYLINE\('',\(([^)]*)\)", text)
     drawn = sum(poles.count("#") - 1 for poles in polylines)
     assert drawn == sum(
         np.count_nonzero(layer.diagram.lengths() > 1e-7) for layer in pyramid.layers

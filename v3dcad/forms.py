@@ -170,14 +170,24 @@ class Forms(Protocol):
         `form` is one of `FORMS`, `sizes` what its method takes. Wires are named by layer and
         height, their straight runs chained (and without colours, which bare curves have none of).
         """
-        from v3dcad.kernel.step import write_step
+        from v3dcad.formats.curve_step import step_text
+        from v3dcad.kernel.step import check_schema, timestamp, write_step
+        from v3dcad.kernel.wires import layer_curves
 
-        curves, plane = form == "wires", form == "faces"
+        check_schema(schema)
+        name = self.part.name
         with written_beside(Path(path)) as beside:
-            shapes = self._named(form, sizes)
-            write_step(
-                shapes, beside, self.part.name, schema=schema, curves=curves, surfaces_only=plane
+            if form != "wires":
+                shapes = self._named(form, sizes)
+                write_step(shapes, beside, name, schema=schema, surfaces_only=form == "faces")
+                return
+            _only(sizes, form)
+            drawings = (
+                layer_curves(self.part.exact(layer), self.placement, _title(layer))
+                for layer in self.layers
             )
+            with beside.open("w", encoding="ascii", newline="\n") as stream:
+                stream.writelines(step_text(drawings, name, schema, timestamp()))
 
     def write_brep(self, path: str | Path, form: str = "wires", **sizes: Any) -> Any:
         """Write a form as BREP, which keeps all that is shared, and give the shape back.
@@ -245,16 +255,9 @@ class Forms(Protocol):
             beside.write_text(drawn.svg(), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
-        """A form as named shapes."""
+        """A form, but for wires, as named shapes."""
         from v3dcad.kernel.step import TEAL, Named
-        from v3dcad.kernel.wires import layer_trails
 
-        if form == "wires":
-            _only(sizes, form)
-            return (
-                Named(_title(layer), layer_trails(self.part.exact(layer), self.placement))
-                for layer in self.layers
-            )
         if form == "beads":
             return (Named(title, bead) for title, bead in self._beads(**sizes))
         if form == "cells":

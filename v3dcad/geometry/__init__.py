@@ -7,7 +7,7 @@ graphs                    spanning trees, trails
 loops                     loops inside cells, joined to one closed curve
 surface, mesh             sections of true surfaces and of triangles
 solid                     facets, convex cells, bars
-arcs, section_area, print_time
+arcs, drawing, section_area, print_time
                           arcs in polylines, sections as shapely areas, how long moves take
 """
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from OCP.Geom import Geom_BSplineCurve, Geom_Circle, Geom_Curve, Geom_Ellipse
+from OCP.Geom import Geom_Circle, Geom_Curve, Geom_Ellipse
 from OCP.GeomAPI import GeomAPI_Interpolate, GeomAPI_ProjectPointOnCurve
 from OCP.gp import gp_Ax2, gp_Circ, gp_Dir, gp_Elips, gp_Pnt, gp_Vec
-from OCP.TColgp import TColgp_Array1OfPnt, TColgp_HArray1OfPnt
-from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+from OCP.TColgp import TColgp_HArray1OfPnt
 
 from v3dcad.errors import KernelError
+from v3dcad.geometry.drawing import Conic, Spline
 from v3dcad.geometry.surface.wall_ends import MAX_END_SHIFT
 from v3dcad.kernel.shapes import TOLERANCE
 from v3dcad.model import CurveRun, Floats, Section
@@ -115,13 +115,20 @@ def _point(curve: Geom_Curve, parameter: float) -> Floats:
     return np.array([point.X(), point.Y(), point.Z()])
 
 
-def polyline(points: Floats) -> Geom_BSplineCurve:
-    """Points (k, 3), no two in a row the same, as one B-spline of degree 1, a knot at each."""
-    count = len(points)
-    poles = TColgp_Array1OfPnt(1, count)
-    knots, times = TColStd_Array1OfReal(1, count), TColStd_Array1OfInteger(1, count)
-    for k, (x, y, z) in enumerate(points.tolist(), start=1):
-        poles.SetValue(k, gp_Pnt(x, y, z))
-        knots.SetValue(k, k - 1.0)
-        times.SetValue(k, 2 if k in (1, count) else 1)
-    return Geom_BSplineCurve(poles, knots, times, 1)
+def plain_curve(curve: Geom_Curve, first: float, last: float) -> Conic | Spline:
+    """A stretch of a run's curve, between two parameters, as plain numbers."""
+    if isinstance(curve, Geom_Circle | Geom_Ellipse):
+        frame = curve.Position()
+        circle = isinstance(curve, Geom_Circle)
+        radii = (curve.Radius(),) * 2 if circle else (curve.MajorRadius(), curve.MinorRadius())
+        centre, axis, towards = frame.Location(), frame.Direction(), frame.XDirection()
+        return Conic(centre.Coord(), axis.Coord(), towards.Coord(), *radii, first, last)
+    spline = curve.Copy()
+    spline.Segment(first, last, TOLERANCE)  # knots are put in where it ends; its shape stays
+    ids = range(1, spline.NbKnots() + 1)
+    return Spline(
+        spline.Degree(),
+        np.array([spline.Pole(k).Coord() for k in range(1, spline.NbPoles() + 1)]),
+        [spline.Knot(k) for k in ids],
+        [spline.Multiplicity(k) for k in ids],
+    )

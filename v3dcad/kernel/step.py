@@ -15,7 +15,7 @@ from OCP.IFSelect import IFSelect_RetDone
 from OCP.Interface import Interface_Static
 from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
 from OCP.STEPCAFControl import STEPCAFControl_Writer
-from OCP.STEPControl import STEPControl_AsIs, STEPControl_GeometricCurveSet
+from OCP.STEPControl import STEPControl_AsIs
 from OCP.TCollection import TCollection_ExtendedString, TCollection_HAsciiString
 from OCP.TDataStd import TDataStd_Name
 from OCP.TDocStd import TDocStd_Document
@@ -47,35 +47,39 @@ def write_step(
     name: str,
     *,
     schema: str = "AP214",
-    curves: bool = False,
     surfaces_only: bool = False,
 ) -> None:
     """Write named shapes as one STEP file of a schema (AP214 or AP242), mm.
 
-    `curves` writes edges as bare curves, without the topology around them (a GEOMETRIC_CURVE_SET:
-    a quarter of the bytes); `surfaces_only` leaves out curves in the surfaces' parameters, which
-    plane faces do not need. The header carries the time of SOURCE_DATE_EPOCH, or 1970, so that
-    the same shapes make the same bytes. Raises `SettingError` for another schema, `KernelError`
+    `surfaces_only` leaves out curves in the surfaces' parameters, which plane faces do not need.
+    The same shapes make the same bytes. Raises `SettingError` for another schema, `KernelError`
     where OCCT cannot write.
     """
-    if schema not in SCHEMAS:
-        raise SettingError("schema", f"schema {schema!r}: give {' or '.join(SCHEMAS)}")
+    check_schema(schema)
     writer = STEPCAFControl_Writer()
     Interface_Static.SetCVal_s("write.step.schema", SCHEMAS[schema])
     Interface_Static.SetCVal_s("write.step.product.name", name)
     Interface_Static.SetIVal_s("write.surfacecurve.mode", 0 if surfaces_only else 1)
-    mode = STEPControl_GeometricCurveSet if curves else STEPControl_AsIs
-    if not writer.Transfer(_document(shapes), mode):
+    if not writer.Transfer(_document(shapes), STEPControl_AsIs):
         raise KernelError(f"{path}: OCCT cannot write these shapes as STEP")
     header = APIHeaderSection_MakeHeader(writer.ChangeWriter().Model())
-    epoch = int(os.environ.get("SOURCE_DATE_EPOCH", "0"))
-    stamp = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(epoch))
-    header.SetTimeStamp(TCollection_HAsciiString(stamp))
+    header.SetTimeStamp(TCollection_HAsciiString(timestamp()))
     header.SetName(TCollection_HAsciiString(name))
     if writer.Write(str(path)) != IFSelect_RetDone:
         raise KernelError(f"{path}: OCCT cannot write this file")
-    if not curves:
-        path.write_bytes(_settled(path.read_bytes()))
+    path.write_bytes(_settled(path.read_bytes()))
+
+
+def check_schema(schema: str) -> None:
+    """Raise `SettingError` for a schema that is not written."""
+    if schema not in SCHEMAS:
+        raise SettingError("schema", f"schema {schema!r}: give {' or '.join(SCHEMAS)}")
+
+
+def timestamp() -> str:
+    """When a file says it was made: at the time of SOURCE_DATE_EPOCH, or in 1970."""
+    epoch = int(os.environ.get("SOURCE_DATE_EPOCH", "0"))
+    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(epoch))
 
 
 STYLE = re.compile(

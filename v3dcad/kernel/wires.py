@@ -14,9 +14,10 @@ from OCP.gp import gp_Pnt
 from OCP.TopAbs import TopAbs_REVERSED
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 
+from v3dcad.geometry.drawing import Conic, Drawing, Spline
 from v3dcad.geometry.graphs.trails import trails
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
-from v3dcad.kernel.curves import hit, polyline, run_curve, span
+from v3dcad.kernel.curves import hit, plain_curve, run_curve, span
 from v3dcad.kernel.shapes import TOLERANCE, compound, location
 from v3dcad.model import Floats, Ints, Layer, Placement
 
@@ -35,21 +36,20 @@ def layer_wires(layer: Layer, placement: Placement) -> TopoDS_Compound:
     return compound(wire for wire in wires if wire is not None)
 
 
-def layer_trails(layer: Layer, placement: Placement) -> TopoDS_Compound:
-    """The same curves for a small file: straight ones chained into few B-splines of degree 1."""
+def layer_curves(layer: Layer, placement: Placement, name: str) -> Drawing:
+    """The same curves for a small file: straight ones chained into few polylines."""
     drawing = _drawn(layer, placement)
     arcs = [arc for contour in drawing.contours for arc in contour]
     straight = [pair for arc in arcs if arc.curve is None for pair in pairwise(arc.chain)]
     edges = np.concatenate([drawing.walls, np.array(straight, np.int64).reshape(-1, 2)])
     far = np.ptp(drawing.points[edges], axis=1).max(axis=1, initial=0.0) > TOLERANCE
-    chains = [polyline(drawing.points[chain]) for chain in trails(edges[far])]
-    return compound(
-        [BRepBuilderAPI_MakeEdge(chain).Edge() for chain in chains]
-        + [
-            BRepBuilderAPI_MakeEdge(arc.curve, arc.first, arc.last).Edge()
-            for arc in arcs
-            if arc.curve is not None
-        ]
+    curved = [plain_curve(arc.curve, arc.first, arc.last) for arc in arcs if arc.curve is not None]
+    return Drawing(
+        name,
+        drawing.points,
+        trails(edges[far]),
+        [curve for curve in curved if isinstance(curve, Conic)],
+        [curve for curve in curved if isinstance(curve, Spline)],
     )
 
 
