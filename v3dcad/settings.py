@@ -126,8 +126,9 @@ class Checked:
     __dataclass_fields__: dict[str, dataclasses.Field[Any]]
 
     def __post_init__(self) -> None:
-        for name, kinds in _kinds(type(self)).items():
-            value = declared(type(self), name).checked(name, getattr(self, name), kinds)
+        cls: Any = type(self)
+        for name, kinds in _kinds(cls).items():
+            value = declared(cls, name).checked(name, getattr(self, name), kinds)
             object.__setattr__(self, name, value)
 
 
