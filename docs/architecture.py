@@ -95,8 +95,9 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "exports", "forms", "ont", "parts", "recipes", "report", "slicing", "files",
-            "version", "warm_up", "watched", "__init__",
+            "pipeline", "arguments", "exports", "files", "forms", "nearness", "ont", "pages",
+            "parts", "recipes", "report", "signatures", "slicing", "sources", "svg", "version",
+            "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),
@@ -116,7 +117,7 @@ ROOMS = (
     Room("voronoi/", ("geometry/voronoi",), 3, 628, 1, 100),
     Room("power_diagram/", ("geometry/power_diagram",), 2, 766, 1, 100),
     Room("compiled/", ("geometry/compiled",), 0, 904, 6, 46),
-    Room("model.py", ("model",), 0, 1002, 2, 56),
+    Room("model.py", ("model", "svg"), 0, 1002, 2, 56),
     Room("settings.py", ("settings",), 2, 1002, 2, 56),
     Room("errors.py", ("errors",), 4, 1002, 2, 56),
 )  # fmt: skip

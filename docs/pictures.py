@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import v3dcad
 from v3dcad.model import Floats
-from v3dcad.view.picture import CONTOUR, INSIDE, WALL
+from v3dcad.view.colours import BLUE, VERMILLION
 
 HERE = Path(__file__).resolve().parent
 SIDE, HEIGHT = 40.0, 60.0
@@ -55,8 +55,10 @@ def panel(axes: Axes, segments: Floats, low: tuple[float, float], title: str) ->
     """Draw segments inside a frame that begins at `low` and ends at its opposite."""
     x, y = low
     width, height = SIDE, SIDE if y else HEIGHT
-    axes.fill([x, x + width, x + width, x], [y, y, y + height, y + height], INSIDE, ec=CONTOUR)
-    axes.add_collection(LineCollection(list(segments), colors=WALL, linewidths=1.3))
+    axes.fill(
+        [x, x + width, x + width, x], [y, y, y + height, y + height], "#f3f7f8", ec=VERMILLION
+    )
+    axes.add_collection(LineCollection(list(segments), colors=BLUE, linewidths=1.3))
     axes.set(xlim=(x - 1, x + width + 1), ylim=(y - 1, y + height + 1), aspect="equal")
     axes.set_axis_off()
     axes.set_title(title, fontsize=9)

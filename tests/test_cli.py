@@ -14,6 +14,7 @@ import pytest
 from build123d import Box, export_step
 
 from v3dcad.cli import main
+from v3dcad.commands.compiling import NOTICE
 from v3dcad.report import certificate_line, foam_lines
 from v3dcad.settings import FillSettings, declared, option
 
@@ -44,7 +45,7 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
         with pytest.raises(SystemExit) as stop:
             main()
     assert stop.value.code == 2
-    said = capsys.readouterr().err
+    said = capsys.readouterr().err.removeprefix(f"{NOTICE}\n")
     assert said.count("\n") == 1, said
     assert said.startswith("v3dcad: ")
     return said
@@ -53,7 +54,7 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
 def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None:
     done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 4)
     assert done.returncode == 0, done.stderr
-    assert done.stderr == "", "no progress in a pipe"
+    assert done.stderr.removeprefix(f"{NOTICE}\n") == "filling bracket.step\n"
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == [f"bracket.{end}" for end in ("gcode", "json", "ont", "png", "step")]
     for word in ("layers", "cells", "steepest", "wall length", *files):
@@ -114,7 +115,7 @@ def test_warm_up_says_when_it_is_done() -> None:
     done = run("warm-up")
     assert done.returncode == 0, done.stderr
     assert done.stdout == "the engine is compiled\n"
-    assert done.stderr == "", "nothing is announced in a pipe"
+    assert done.stderr in ("", f"{NOTICE}\n")
 
 
 def test_info_tells_what_a_part_holds(samples: Path) -> None:
@@ -150,6 +151,12 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--method", "thesis", "--cell-size", 6], "--cell-size is a setting of --method foam"),
         (["--method", "thesis", "--stretch", 2], "--stretch is a setting of --method foam"),
         (["--bed", "220"], "such as 220x220"),
+        (["--layer-height", 1e-9], "--layer-height 1e-09: 3e+10 layers, more than 1,000,000"),
+        (["--minimum-edge", 100], "--minimum-edge 100.0: give a number of at most 2 mm"),
+        (["--acceleration", 1e-9], "--acceleration 1e-09: give a number of at least 1 mm/s²"),
+        (["--print-speed", 1e-9], "--print-speed 1e-09: give a number of at least 0.1 mm/s"),
+        (["--start-gcode", "{"], "--start-gcode: a brace by itself; write {name}"),
+        (["--end-gcode", "M84 {fan"], "--end-gcode: a brace by itself"),
         (["--bed", "30x220"], "10.00 mm too large in x"),
         (["--print-speed", 0], "--print-speed"),
         (["--chord-tolerance", 0], "--chord-tolerance 0.0: give a number above 0 mm"),
@@ -179,7 +186,7 @@ def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
         *("--step", tmp_path / "a.step", "--svg", tmp_path / "a.svg"),
     )
     assert done.returncode == 0, done.stderr
-    assert done.stderr == "", "no progress in a pipe"
+    assert done.stderr.removeprefix(f"{NOTICE}\n") == "cutting bracket.step\n"
     for line in ("sections      30", "contours      44, at most 3", "a.step (", "a.svg ("):
         assert line in done.stdout
     assert (tmp_path / "a.svg").read_text().count("<path") == 30
@@ -189,7 +196,7 @@ def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
 def test_mistakes_in_slicing(
     samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    cone, svg = samples / "cone.step", tmp_path / "a.svg"
+    cone, svg, gcode = samples / "cone.step", tmp_path / "a.svg", tmp_path / "a.gcode"
     assert "--step FILE or --svg FILE" in mistake(capsys, "slice", cone)
     assert "overwrite the part" in mistake(capsys, "slice", cone, "--step", cone)
     said = mistake(capsys, "slice", cone, "--svg", svg, "--chord-tolerance", 0)
@@ -198,10 +205,11 @@ def test_mistakes_in_slicing(
     ont.write_text("hello")
     assert "fill makes its structure" in mistake(capsys, "slice", ont, "--svg", svg)
     for command in ("slice", "fill"):
-        out = ("--svg", svg) if command == "slice" else ("--gcode", svg)
+        out = ("--svg", svg) if command == "slice" else ("--gcode", gcode)
         said = mistake(capsys, command, ont, *out, "--repair")
         assert "--repair: an .ont file holds its part" in said
     assert not svg.exists()
+    assert not gcode.exists()
 
 
 def test_a_mesh_with_a_hole_is_mended_where_asked(
@@ -328,7 +336,10 @@ def test_without_libgl_the_remedy_is_named(
     assert "apt-get install -y libgl1" in said
 
 
-def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+def test_signals_leave_nothing_behind(
+    number: str, code: int, samples: Path, tmp_path: Path
+) -> None:
     import signal
     import time
 
@@ -340,9 +351,9 @@ def test_ctrl_c_is_clean(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     while child.poll() is None and not (out.is_dir() and any(out.iterdir())):
         time.sleep(0.05)
-    child.send_signal(signal.SIGINT)
+    child.send_signal(getattr(signal, number))
     _, said = child.communicate(timeout=30)
-    assert child.returncode == 130, said
+    assert child.returncode == code, said
     assert "Traceback" not in said
     assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"
 
@@ -387,6 +398,53 @@ def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
     assert run("fill", samples / "cone.step", "--layer-height", 5, *again).returncode == 0
     adjusted = run("nc", "adjust", gcode, tmp_path / "c.gcode", "--retraction", 1)
     assert "hops" in adjusted.stdout
+
+
+def test_view_draws_pictures(samples: Path, tmp_path: Path) -> None:
+    png, svg = tmp_path / "a.png", tmp_path / "a.svg"
+    how = ("--layer-height", 5, "--cell-size", 12)
+    done = run(
+        *("view", samples / "pyramid.stl", "--target", "layer", "--layer", 3, "--ids", *how),
+        *("--png", png, "--svg", svg),
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("written") == 2
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert "layer 3, " in svg.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "nothing to draw: give --png FILE or --svg FILE"),
+        (("--svg", "a.svg", "--target", "none"), "--target none: give full, layer, cell, "),
+        (("--svg", "a.svg", "--target", "layer", "--layer", 99), "the layers are 0 to 4"),
+        (("--svg", "a.svg", "--target", "cell"), "no cell is chosen: the cells of layer 2 are "),
+        (("--svg", "a.svg", "--target", "cell", "--cell", 9999), "cell 9999: the cells of layer 2"),
+    ],
+)
+def test_what_cannot_be_drawn_is_told_in_one_line(
+    words: tuple[object, ...],
+    said: str,
+    samples: Path,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert said in mistake(
+        capsys, "view", samples / "pyramid.stl", "--layer-height", 10, "--cell-size", 12, *words
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_view_takes_no_file_of_another_kind(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    other, png = tmp_path / "a.txt", tmp_path / "a.png"
+    other.write_text("hello", encoding="utf-8")
+    assert "not a kind of file that can be filled" in mistake(capsys, "view", other, "--png", png)
+    assert "would overwrite the part itself" in mistake(capsys, "view", other, "--png", other)
 
 
 def test_unit_and_scale(capsys: pytest.CaptureFixture[str], samples: Path, tmp_path: Path) -> None:

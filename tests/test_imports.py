@@ -16,7 +16,9 @@ INSIDE = {"geometry", "model", "settings", "arguments", "errors"}
 MAY_IMPORT = {
     "errors": set(),
     "settings": {"errors"},
-    "model": {"errors", "settings"},
+    "svg": set(),
+    "model": {"errors", "settings", "svg"},
+    "signatures": {"errors", "settings"},
     "arguments": {"errors", "model"},
     "files": {"errors"},
     "geometry": INSIDE,
@@ -26,11 +28,14 @@ MAY_IMPORT = {
     **{folder: INSIDE | {folder} for folder in RIM},
     "sources": INSIDE,
     "parts": INSIDE | {"formats", "kernel", "sources"},
-    "slicing": INSIDE | {"files", "formats", "kernel", "parts", "structure"},
+    "nearness": INSIDE | {"fields", "kernel"},
+    "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
     "forms": INSIDE | RIM | {"files", "sources"},
+    "pages": INSIDE | {"files", "toolpath", "view"},
+    "views": INSIDE | {"files", "report", "toolpath", "view"},
     "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline", "sources"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE
@@ -42,12 +47,15 @@ MAY_IMPORT = {
         "parts",
         "recipes",
         "report",
+        "signatures",
         "structure",
         "toolpath",
         "version",
+        "pages",
+        "views",
     },
     "watched": set(),
-    "exports": INSIDE | {"pipeline"},
+    "exports": INSIDE | {"files", "pipeline", "report"},
     "worker": INSIDE
     | {
         "exports",
@@ -64,7 +72,7 @@ MAY_IMPORT = {
         "watched",
         "worker",
     },
-    "options": {"settings"},
+    "options": {"errors", "settings"},
     "commands": INSIDE
     | {
         "commands",
@@ -80,19 +88,22 @@ MAY_IMPORT = {
         "report",
         "slicing",
         "structure",
+        "view",
         "warm_up",
         "watched",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
-    "cli": {"commands", "errors"},
+    "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
-    "__init__": INSIDE | {"parts", "pipeline", "recipes", "slicing", "structure"},
+    "__init__": INSIDE
+    | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {
     "compiled": set(),
     "arcs": set(),
     "graphs": set(),
+    "loops": {"compiled", "power_diagram"},
     "section_area": set(),
     "print_time": {"arcs", "compiled"},
     "power_diagram": {"compiled"},
@@ -163,8 +174,8 @@ def test_imports_run_downward(path: Path) -> None:
         ("geometry/power_diagram/grid.py", "v3dcad.geometry.clipping.interior"),
         ("geometry/compiled/arrays.py", "v3dcad.geometry.power_diagram.grid"),
         ("geometry/arcs.py", "v3dcad.structure.fill"),
-        ("structure/fill.py", "v3dcad.formats.svg"),
-        ("formats/svg.py", "v3dcad.kernel.step"),
+        ("structure/fill.py", "v3dcad.formats.mesh.stl"),
+        ("formats/mesh/stl.py", "v3dcad.kernel.step"),
         ("toolpath/graph.py", "numba"),
         ("structure/fill.py", "OCP.gp"),
         ("pipeline.py", "build123d"),
@@ -223,14 +234,28 @@ for words in (["--help"], ["fill", "--help"], ["slice", "--help"]):
     assert not loaded_by(code) & (HEAVY | {"numpy"})
 
 
-def test_stl_needs_no_kernel(samples: Path, tmp_path: Path) -> None:
+def test_triangles_need_no_kernel_and_the_default_route_no_matching(
+    samples: Path, tmp_path: Path
+) -> None:
     loaded = loaded_by(
         "import v3dcad\n"
         f"structure = v3dcad.fill({str(samples / 'pyramid.stl')!r}, layer_height=5)\n"
         f"structure.write_ont({str(tmp_path / 'a.ont')!r})\n"
         f"structure.write_gcode({str(tmp_path / 'a.gcode')!r})"
     )
-    assert "OCP" not in loaded
+    assert not loaded & {"OCP", "pymatching", "networkx"}
+
+
+def test_without_the_kernel_step_is_refused_with_the_line_that_brings_it(samples: Path) -> None:
+    code = (
+        "import sys; sys.modules['OCP'] = None\n"
+        "from v3dcad.cli import main\n"
+        f"sys.argv = ['v3dcad', 'info', {str(samples / 'bracket.step')!r}]; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8")
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "run `pip install 'v3dcad[occt]'`" in done.stderr
 
 
 def test_every_public_name_is_there() -> None:

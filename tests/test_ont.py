@@ -166,7 +166,7 @@ def test_another_structure_than_was_written_is_an_error(bracket: Path, tmp_path:
     with pytest.raises(FormatError, match=r"wrong.ont, section \[CHECKSUM\].*other topology") as e:
         v3dcad.fill(path)
     assert f"{recipe.checksum.walls} walls instead of {wrong.walls}" in str(e.value)
-    assert "--no-verify" in str(e.value)
+    assert "verify=False" in str(e.value)
     with pytest.raises(FormatError, match="CHECKSUM"):
         ont.check(path)
     with pytest.raises(FormatError, match="CHECKSUM"):
@@ -187,16 +187,17 @@ def test_other_settings_make_another_structure_and_are_not_compared(
     assert not np.array_equal(other.sites, v3dcad.fill(bracket).sites)
     with pytest.raises(SettingError, match="'colour'"):
         v3dcad.fill(written, colour=1)
-    with pytest.raises(SettingError, match="--stretch 1: walls would lean more than 45°"):
+    with pytest.raises(SettingError, match="stretch 1: walls would lean more than 45°"):
         v3dcad.fill(written, stretch=1.0)
     assert v3dcad.fill(thesis, offset=0.4).settings.offset == 0.4
     assert len(v3dcad.fill(thesis, sites=7).sites) == 7
+    assert v3dcad.fill(thesis, random_seed=4).settings.random_seed == 4
     turned = v3dcad.fill(thesis, method="foam")
     assert (turned.settings.method, turned.settings.random_seed) == ("foam", 3)
     for recipe, wrong, says in (
-        (thesis, {"cell_size": 5}, "--cell-size is a setting of --method foam"),
-        (bracket, {"offset": 0.4}, "--offset is a setting of --method thesis"),
-        (bracket, {"sites": 7}, "--sites is a setting of --method thesis"),
+        (thesis, {"cell_size": 5}, "cell_size is a setting of method foam"),
+        (bracket, {"offset": 0.4}, "offset is a setting of method thesis"),
+        (bracket, {"sites": 7}, "sites is a setting of method thesis"),
     ):
         with pytest.raises(SettingError, match=says):
             v3dcad.fill(recipe, **wrong)
@@ -215,11 +216,11 @@ def test_other_sites_take_the_place_of_a_file_s(bracket: Path, thesis: Path) -> 
     assert again.checksum() == spread.checksum()
     assert v3dcad.fill(thesis, sites=plane).sites.shape == (2, 2)
     for file, sites, settings, says in (
-        (bracket, space, {}, "--stretch auto: sites in space need a number"),
-        (spread.recipe(), None, {"stretch": "columns"}, "--stretch columns: sites in space need"),
-        (columns.recipe(), None, {"stretch": 2}, "--stretch 2: sites of x, y are columns"),
-        (bracket, plane, {"cell_size": 6}, "--cell-size 6: sites are given"),
-        (thesis, space, {}, "--method thesis takes sites as rows of x, y"),
+        (bracket, space, {}, "stretch auto: sites in space need a number"),
+        (spread.recipe(), None, {"stretch": "columns"}, "stretch columns: sites in space need"),
+        (columns.recipe(), None, {"stretch": 2}, "stretch 2: sites of x, y are columns"),
+        (bracket, plane, {"cell_size": 6}, "cell_size 6: sites are given"),
+        (thesis, space, {}, "method thesis takes sites as rows of x, y"),
     ):
         with pytest.raises(SettingError, match=says):
             v3dcad.fill(file, sites=sites, **settings)
@@ -234,7 +235,7 @@ def test_convert_and_check(bracket: Path, tmp_path: Path) -> None:
     said = ont.check(tmp_path / "exact.ont")
     assert said["result"] == "the structure is the one that was written"
     assert said["layers"] == "24"
-    with pytest.raises(SettingError, match="--boundary step: give stl or exact"):
+    with pytest.raises(SettingError, match="boundary step: give stl or exact"):
         ont.convert(bracket, tmp_path / "other.ont", "step")
 
 

@@ -234,7 +234,7 @@ def test_a_file_that_claims_a_size_it_does_not_have(tmp_path: Path) -> None:
 def test_holes_are_refused_or_patched(tmp_path: Path) -> None:
     path = tmp_path / "open.stl"
     path.write_bytes(binary_stl(open_cube()))
-    with pytest.raises(v3dcad.GeometryError, match=r"open\.stl: .*4 boundary edges.*--repair"):
+    with pytest.raises(v3dcad.GeometryError, match=r"open\.stl: .*4 boundary edges.*repair"):
         v3dcad.part_from(path)
     part = v3dcad.part_from(path, repair=True)
     assert volume(part) == pytest.approx(1)

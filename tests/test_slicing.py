@@ -151,7 +151,7 @@ def test_the_base_may_lie_below_the_first_plane(samples: Path) -> None:
 @pytest.mark.parametrize("tolerance", [0, -1, float("nan"), float("inf")])
 def test_a_chord_tolerance_is_above_0(tolerance: float, samples: Path) -> None:
     for call in (v3dcad.section, v3dcad.fill):
-        with pytest.raises(v3dcad.SettingError, match="--chord-tolerance"):
+        with pytest.raises(v3dcad.SettingError, match="chord_tolerance"):
             call(samples / "cone.step", chord_tolerance=tolerance)
 
 

@@ -50,7 +50,7 @@ def test_what_only_a_foam_has_is_refused(samples: Path) -> None:
     structure = v3dcad.fill(
         samples / "pyramid.stl", method="thesis", layer_height=10, offset=0.5, sites=9
     )
-    with pytest.raises(v3dcad.SettingError, match="no walls; take --method foam"):
+    with pytest.raises(v3dcad.SettingError, match="no walls; take method foam"):
         structure.walls  # noqa: B018
     with pytest.raises(v3dcad.SettingError, match="no strut axes"):
         structure.strut_axes  # noqa: B018

@@ -9,6 +9,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from v3dcad.version import VERSION
+
 if TYPE_CHECKING:
     from v3dcad.errors import (
         FormatError,
@@ -19,12 +21,15 @@ if TYPE_CHECKING:
         V3dcadError,
     )
     from v3dcad.model import Recipe, Section
+    from v3dcad.nearness import distance_to, near_faces
     from v3dcad.parts import part_from
     from v3dcad.pipeline import Structure, build, fill
     from v3dcad.recipes import read_ont
     from v3dcad.settings import FillSettings, PrintSettings
     from v3dcad.slicing import Sections, place_on_bed, section
     from v3dcad.structure.fill import fill_sections
+
+__version__ = VERSION
 
 _HOME = {
     "FillSettings": "settings",
@@ -40,8 +45,10 @@ _HOME = {
     "Structure": "pipeline",
     "V3dcadError": "errors",
     "build": "pipeline",
+    "distance_to": "nearness",
     "fill": "pipeline",
     "fill_sections": "structure.fill",
+    "near_faces": "nearness",
     "part_from": "parts",
     "place_on_bed": "slicing",
     "section": "slicing",
@@ -62,8 +69,10 @@ __all__ = [
     "Structure",
     "V3dcadError",
     "build",
+    "distance_to",
     "fill",
     "fill_sections",
+    "near_faces",
     "part_from",
     "place_on_bed",
     "read_ont",

@@ -2,28 +2,42 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+from typing import Annotated, Any, NoReturn
 
 import typer
 
-from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup
+from v3dcad.commands import fill, gcode, ont, ports, print_port, printer, setup, view
 from v3dcad.commands import slice as slicing
 from v3dcad.errors import V3dcadError
+from v3dcad.version import VERSION
 
 app = typer.Typer(
-    add_completion=False,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 
+def _tell_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"v3dcad {VERSION}")
+        raise typer.Exit
+
+
 @app.callback()
-def _app() -> None:
+def _app(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Show the version.", is_eager=True, callback=_tell_version),
+    ] = False,
+) -> None:
     """Fill a part with a 3D Voronoi structure that prints without support."""
 
 
 app.command()(fill.fill)
 app.command()(fill.info)
+app.command()(view.view)
 app.command("slice")(slicing.slice_part)
 app.command("print")(print_port.print_file)
 app.command()(ports.ports)
@@ -37,9 +51,44 @@ app.add_typer(printer.printer_app)
 
 
 def main() -> None:
-    """Run the command line; errors become one line on stderr and exit code 2, Ctrl-C code 130."""
+    """Run the command line; errors become one line on stderr and exit code 2, Ctrl-C code 130.
+
+    SIGTERM and SIGHUP end it as Ctrl-C does, so that no half-written file is left.
+    """
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, _end)
     try:
-        app()
+        sys.exit(app(prog_name="v3dcad", standalone_mode=False))
     except V3dcadError as error:
-        print(f"v3dcad: {error}", file=sys.stderr)
-        sys.exit(2)
+        _fail(error.message)
+    except typer.TyperException as error:
+        if not error.format_message():  # help was shown in its place
+            sys.exit(2)
+        _fail(_usage(error))
+    except typer.Abort:
+        sys.exit(1)
+    except MemoryError:
+        _fail("not enough memory for this: take larger cells, or layers farther apart")
+
+
+def _end(number: int, _: object) -> NoReturn:
+    sys.exit(128 + number)
+
+
+def _fail(message: str) -> NoReturn:
+    print(f"v3dcad: {message}", file=sys.stderr)
+    sys.exit(2)
+
+
+def _usage(error: Any) -> str:
+    """A mistake in the words of a command, in one line that says what may have been meant."""
+    if near := getattr(error, "possibilities", None):
+        return f"no such option: {error.option_name}; did you mean {near[0]}?"
+    words = " ".join(error.format_message().split()).rstrip(".").replace(". Did", "; did")
+    words = words[:1].lower() + words[1:]
+    if words.endswith("?"):
+        return words
+    command = error.ctx.command_path if getattr(error, "ctx", None) else "v3dcad"
+    return f"{words}; see {command} --help"

@@ -11,14 +11,42 @@ V3dcadError
     ├── LocalPrinterError     our side: port, settings, protocol misuse
     └── RemotePrinterError    the printer's side: what it answered, or did not
 
-The command line turns each into one line on stderr and exit code 2.
+The command line turns each into one line on stderr and exit code 2. Messages are written once,
+with options of the command line: `--layer-height`. From Python they name arguments.
 """
 
 from __future__ import annotations
 
+import re
+
+OPTION = re.compile(r"(?<![\w-])--(no-)?([a-z][a-z0-9]*(?:-[a-z0-9]+)*)")
+
+
+def with_arguments(text: str) -> str:
+    """A text that names options of the command line, with the arguments of Python instead.
+
+    `--layer-height` becomes `layer_height`, `--no-verify` becomes `verify=False`.
+    """
+
+    def argument(found: re.Match[str]) -> str:
+        return found[2].replace("-", "_") + ("=False" if found[1] else "")
+
+    return OPTION.sub(argument, text)
+
 
 class V3dcadError(Exception):
-    """Base of all errors that v3dcad raises on purpose."""
+    """Base of all errors that v3dcad raises on purpose.
+
+    `str()` says it with the arguments of Python, `message` with the options of the command line:
+    that is what another error's message is made of, if it goes on with this one's.
+    """
+
+    def __init__(self, message: str) -> None:
+        self.message = message
+        super().__init__(message)
+
+    def __str__(self) -> str:
+        return with_arguments(self.message)
 
 
 class SettingError(V3dcadError):

@@ -6,10 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from v3dcad.errors import SettingError
+from v3dcad.files import is_stream
+from v3dcad.report import hours_text
 from v3dcad.settings import ExportSettings
 
 if TYPE_CHECKING:
     from v3dcad.pipeline import Structure
+    from v3dcad.report import Print
 
 KINDS = {
     "gcode": (".gcode",),
@@ -23,6 +26,9 @@ KINDS = {
 }
 """Kinds of files, and how their names end."""
 
+PICTURES = (".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".pdf")
+"""How pictures end that are not written."""
+
 
 def kind_of(file: Path) -> str:
     """The kind of a file by its ending; `SettingError` for one that is not written."""
@@ -35,13 +41,21 @@ def kind_of(file: Path) -> str:
 
 
 def export(
-    structure: Structure, kind: str, file: Path, how: ExportSettings, bead_width: float
+    structure: Structure,
+    kind: str,
+    file: Path,
+    how: ExportSettings,
+    bead_width: float,
+    printed: Print | None = None,
 ) -> None:
-    """Write one file of a kind that is not G-code, which tells more than that it was written."""
+    """Write one file of a kind that is not G-code, which tells more than that it was written.
+
+    What it told (`printed`) comes into the picture's title.
+    """
     if kind == "ont":
         structure.write_ont(file, None if how.boundary == "auto" else how.boundary)
     elif kind == "png":
-        structure.write_png(file)
+        structure.write_png(file, printed)
     elif kind == "svg":
         structure.write_svg(file, how.svg_layer)
     elif kind == "stl":
@@ -58,14 +72,15 @@ def export(
 
 
 def written_line(file: Path) -> str:
-    """A written file and its size."""
+    """A written file and its size; a device or pipe has none."""
+    if is_stream(file):
+        return f"{file}"
     return f"{file} ({file.stat().st_size:,} bytes)"
 
 
 def print_lines(printed: dict[str, Any]) -> dict[str, str]:
     """What a print takes (see `Structure.report`), as lines to show."""
-    hours, minutes = divmod(round(printed["time_s"] / 60), 60)
     return {
-        "print time": f"{hours} h {minutes:02d} min, without heating",
+        "print time": f"{hours_text(printed['time_s'])}, without heating",
         "filament": f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g",
     }

@@ -160,7 +160,7 @@ class Forms(Protocol):
         """What is printed, the beads of all layers united, as a closed mesh."""
         from v3dcad.geometry.solid.bar_meshes import bead_mesh
 
-        return self._at_source(bead_mesh(self.layers, width, self.settings.layer_height))
+        return self._at_source(bead_mesh(self.layers, width, *self.settings.layer_span()))
 
     def write_step(
         self, path: str | Path, form: str = "wires", *, schema: str = "AP214", **sizes: Any
@@ -240,11 +240,9 @@ class Forms(Protocol):
 
         Raises `SettingError` for a layer that is not there.
         """
-        from v3dcad.formats.svg import layer_svg
-
         drawn = self.layers[place("svg_layer", layer, len(self.layers), "layers", from_end=True)]
         with written_beside(Path(path)) as beside:
-            beside.write_text(layer_svg(drawn), encoding="utf-8", newline="\n")
+            beside.write_text(drawn.svg(), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
         """A form as named shapes."""
@@ -275,7 +273,7 @@ class Forms(Protocol):
 
         if form == "walls":
             _only(sizes, form)
-            return self._at_source(wall_strips(self.layers, self.settings.layer_height))
+            return self._at_source(wall_strips(self.layers, *self.settings.layer_span()))
         if form == "solid":
             return self.solid_mesh(_only(sizes, form, "thickness"))
         if form == "struts":
@@ -288,9 +286,9 @@ class Forms(Protocol):
     def _beads(self, width: float, profile: str = "rounded") -> Iterable[tuple[str, Any]]:
         from v3dcad.kernel.beads import layer_beads
 
-        height = self.settings.layer_height
+        height, base = self.settings.layer_span()
         return (
-            (_title(layer), layer_beads(layer, self.placement, width, height, profile))
+            (_title(layer), layer_beads(layer, self.placement, width, height, profile, base))
             for layer in self.layers
         )
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
+from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -27,8 +28,10 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-FEATURES = 8
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER = range(FEATURES)
+FEATURES = 9
+NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER, BRIDGE = range(
+    FEATURES
+)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 Progress = Callable[[str, int, int], object]
@@ -68,6 +71,9 @@ class Mesh(Value):
     """(v, 3) mm"""
     triangles: Ints
     """(t, 3) vertex ids"""
+
+    def __repr__(self) -> str:
+        return f"<Mesh of {len(self.triangles)} triangles>"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -139,6 +145,22 @@ class Section(Value):
     """each (k, 2) mm; the material lies on the left of every ring"""
     runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
+
+    def svg(self) -> str:
+        """The section as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        return "".join(sections_svg([self]))
+
+    _repr_svg_ = svg
+
+    def __repr__(self) -> str:
+        points = sum(map(len, self.rings))
+        return f"<Section at z {self.z:g} mm: {len(self.rings)} rings, {points} points>"
+
+
+def part_words(part: Part) -> str:
+    """A part in a few words: its name and size."""
+    size = " × ".join(f"{length:.6g}" for length in np.ptp(part.bounds, axis=0))
+    return f"{part.name!r}, {size} mm"
 
 
 class Part(Protocol):
@@ -241,6 +263,9 @@ class Diagram(Value):
     neighbours: Ints
     """(m, 2) site ids, i < j: pairs that share an edge inside the section"""
 
+    def __repr__(self) -> str:
+        return f"<Diagram of {len(self.sites())} cells: {len(self.edges)} edges>"
+
     def inner(self) -> NDArray[np.bool_]:
         """(e,) which edges separate two cells (the others lie on the section's boundary)."""
         return np.asarray(self.edge_sites[:, 0] != OUTSIDE)
@@ -319,6 +344,9 @@ class Layer(Value):
     area_per_cell: float
     """section area ÷ number of cells, mm²"""
 
+    def __repr__(self) -> str:
+        return f"<Layer {self.index} at z {self.z:g} mm: {len(self.diagram.sites())} cells>"
+
     @property
     def tree(self) -> Ints:
         """(m, 2) site ids, i < j: the minimum spanning tree of the neighbours by their distance.
@@ -327,10 +355,25 @@ class Layer(Value):
         """
         return self.state.spanning_tree(self.diagram.neighbours)
 
+    def slopes(self, pairs: Ints) -> Floats:
+        """(m,) how far the wall between two sites moves per height, for pairs (m, 2) of sites."""
+        i, j = pairs.T
+        state = self.state
+        apart = np.hypot(*(state.sites[i, :2] - state.sites[j, :2]).T)
+        return np.asarray(np.abs(state.growth[i] - state.growth[j]) / (2 * apart))
+
     @property
     def z(self) -> float:
         """Height of the layer's section above the bed, mm."""
         return self.section.z
+
+    def svg(self) -> str:
+        """Walls and contours as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        ends, inner = self.diagram.vertices[self.diagram.edges], self.diagram.inner()
+        lines = {"walls": (WALL, ends[inner]), "contours": (CONTOUR, ends[~inner])}
+        return lines_svg(f"layer {self.index}, z {self.z:g} mm", lines)
+
+    _repr_svg_ = svg
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -348,10 +391,13 @@ class Toolpath(Value):
     layer: Ints
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
-    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIM or SKIRT where it extrudes, RETRACED on a
-    way already extruded, NO_FEATURE elsewhere"""
+    """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE, BRIM or SKIRT where it extrudes,
+    RETRACED on a way already extruded, NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
+
+    def __repr__(self) -> str:
+        return f"<Toolpath of {len(self.points)} points>"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -362,6 +408,9 @@ class Brep(Value):
     """OCCT's BinTools format, without triangles"""
     bounds: Floats
     """(2, 3) least and greatest coordinates, mm"""
+
+    def __repr__(self) -> str:
+        return f"<Brep of {len(self.data)} bytes>"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -413,3 +462,7 @@ class Recipe(Value):
     """of the structure; None where a file has none, as the thesis's"""
     software: str = ""
     """what wrote it; empty for the thesis's form"""
+
+    def __repr__(self) -> str:
+        layers = f", {self.checksum.layers} layers" if self.checksum else ""
+        return f"<Recipe of {self.name!r}: {self.settings.method}{layers}>"

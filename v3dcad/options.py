@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
-from v3dcad.settings import Checked, declared, option
+from v3dcad.errors import SettingError
+from v3dcad.settings import Checked, Declared, checked, declared, option
 
 Command = Callable[..., None]
 
@@ -48,38 +49,50 @@ def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
     known = declared(cls, name)
     default = cls.__dataclass_fields__[name].default
     kind = get_type_hints(cls)[name]
+    number = next((one for one in (float, int) if one in (get_args(kind) or (kind,))), None)
     names = [option(name) + ("/--no-" + option(name)[2:] if kind is bool else "")]
     says = f"{known.help[:-1]} ({known.unit})." if known.unit else known.help
     if "\n" not in str(default):
         says += f" Default: {default}."
     if known.method is not None:
         says += f" Method {known.method} only."
-    number = ("NUMBER", *known.words) if known.words else ()
-    number += ("EXPR",) if known.fields else ()
+    takes = known.choices or (*(["NUMBER"] if number else []), *known.words)
+    takes += ("EXPR",) if known.fields else ()
     shown = typer.Option(
         *names,
         help=says,
-        metavar="|".join(known.choices) or known.metavar or "|".join(number) or None,
-        parser=_number_or_word if known.words else None,
+        metavar=known.metavar or "|".join(takes) or None,
+        parser=_reader(name, known, number) if number else None,
+        autocompletion=lambda: list(known.choices or known.words),
         rich_help_panel=(cls.__doc__ or "").split(".")[0],
     )
-    annotation: Any = Annotated[Any if known.words else kind | None, shown]
+    annotation: Any = Annotated[Any if number else kind | None, shown]
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation
     )
 
 
-def _number_or_word(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text  # the setting's declaration says whether it is one of its words
+def _reader(name: str, known: Declared, number: type) -> Callable[[str], float | str]:
+    """What reads an option's number, whole for a setting that counts."""
+
+    def read(text: str) -> float | str:
+        try:
+            found: float = number(text)
+        except ValueError:
+            if known.words:
+                return text  # the setting's declaration says whether it is one of its words
+            kind = "a whole number" if number is int else "a number"
+            raise SettingError(name, f"{option(name)} {text}: give {kind}") from None
+        return found
+
+    return read
 
 
 def given(cls: type[Checked], arguments: dict[str, Any]) -> dict[str, Any]:
-    """The settings of one class that were given among a command's keyword arguments."""
-    return {
-        name: arguments[name]
-        for name in cls.__dataclass_fields__
-        if arguments.get(name) is not None
-    }
+    """The settings of one class that were given among a command's keyword arguments.
+
+    `SettingError` for one that is outside its range.
+    """
+    chosen = {name: arguments[name] for name in cls.__dataclass_fields__}
+    chosen = {name: value for name, value in chosen.items() if value is not None}
+    return {name: checked(cls, name, value) for name, value in chosen.items()}

@@ -14,7 +14,7 @@ import numpy as np
 from v3dcad.arguments import above_zero, numbers, place
 from v3dcad.errors import FormatError, GeometryError, SettingError
 from v3dcad.formats.mesh.stl import normals, read_stl
-from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section
+from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section, part_words
 from v3dcad.settings import UNITS
 from v3dcad.sources import library_of, mesh_in, shapes_in
 
@@ -41,6 +41,9 @@ class MeshPart:
     """mm³, by how much what the surface winds around, as often as it does, exceeds the part"""
     library: str = ""
     """the CAD library that its shapes are given back to"""
+
+    def __repr__(self) -> str:
+        return f"<MeshPart {part_words(self)}: {len(self.surface.triangles)} triangles>"
 
     @property
     def bounds(self) -> Floats:
@@ -214,7 +217,7 @@ def _mesh_part(
     try:
         closed, mended = checked_mesh(mesh, repair=repair)
     except GeometryError as error:
-        raise GeometryError(f"{where}: {error}") from error
+        raise GeometryError(f"{where}: {error.message}") from error
     overlap = overlap_volume(closed)
     if overlap:
         mended.append(

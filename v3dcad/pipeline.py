@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Sequence
 from concurrent.futures import Executor
@@ -28,8 +27,10 @@ from v3dcad.model import (
     Progress,
     Recipe,
     Section,
+    part_words,
     unheard,
 )
+from v3dcad.pages import Pages
 from v3dcad.parts import MeshPart, part_from
 from v3dcad.recipes import (
     boundary_form,
@@ -45,6 +46,7 @@ from v3dcad.recipes import (
 )
 from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -54,6 +56,7 @@ from v3dcad.structure.sites import scatter_sites
 from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
 from v3dcad.version import VERSION
+from v3dcad.views import Views
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
@@ -61,7 +64,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Structure(Forms):
+class Structure(Forms, Views, Pages):
     """A filled part: its layers, and the ways to write them.
 
     Layers, `.ont` and G-code are in bed coordinates; STEP lies where the source lies.
@@ -78,6 +81,10 @@ class Structure(Forms):
     to place made; to the last bit"""
     graded: Graded | None = None
     """how such cells differ from what was asked"""
+
+    def __repr__(self) -> str:
+        what = f"{len(self.layers)} layers, {self.settings.method}"
+        return f"<Structure of {part_words(self.part)}: {what}>"
 
     @property
     def settings(self) -> FillSettings:
@@ -125,7 +132,8 @@ class Structure(Forms):
 
         `density` is in g/cm³ (PLA's is 1.24).
         """
-        return properties(self.layers, self.settings.layer_height, wall_width, density)
+        height, base = self.settings.layer_span()
+        return properties(self.layers, height, wall_width, density, base=base)
 
     def facets(self, beyond: float = 0.0) -> Facets:
         """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
@@ -193,22 +201,8 @@ class Structure(Forms):
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,
         ):
-            totals = write_gcode(stream, toolpaths, settings, self._thumbnail())
+            totals = write_gcode(stream, toolpaths, settings, self.thumbnail())
         return Print(totals, reports, findings(reports))
-
-    def _thumbnail(self) -> bytes:
-        from v3dcad.view.picture import draw
-
-        picture = io.BytesIO()
-        draw(self.layers, picture, shown=40, pixels=220)
-        return picture.getvalue()
-
-    def write_png(self, path: str | Path) -> None:
-        """Draw the layers in perspective."""
-        from v3dcad.view.picture import draw
-
-        with written_beside(Path(path)) as beside:
-            draw(self.layers, beside)
 
     def findings(self) -> list[str]:
         """What the user should know of how the part was read."""
@@ -272,9 +266,12 @@ class SectionedPart:
 def sectioned(
     part: Part, settings: FillSettings, executor: Executor | None = None
 ) -> SectionedPart:
-    """The first half of `build`: goes by `SectionSettings` and `FillSettings.lofts` only."""
+    """The first half of `build`: goes by `SectionSettings`, `FillSettings.section_above` and
+    `FillSettings.lofts` only.
+    """
     part = part.placed(on_bed(part.bounds, settings.base_clearance))
-    heights = layer_heights(float(part.bounds[1, 2]), settings.layer_height)
+    top, above = float(part.bounds[1, 2]), settings.section_above()
+    heights = layer_heights(top, settings.layer_height, above)
     planes = np.unique(heights[[0, -1]]) if settings.lofts else heights
     return SectionedPart(part, heights, part.sections(planes, settings.chord_tolerance, executor))
 
@@ -319,6 +316,7 @@ def _any_inside(sites: Floats, rectangle: Floats) -> bool:
     return bool(inside.all(axis=1).any())
 
 
+@takes_settings(FillSettings)
 def fill(
     source: Any,
     *,
@@ -374,7 +372,7 @@ def build_recipe(
             raise FormatError(
                 f"the structure that it makes is not the one that was written: "
                 f"{', '.join(differences)}. Written by {recipe.software}, this is v3dcad "
-                f"{VERSION}; --no-verify (verify=False) takes it as it is",
+                f"{VERSION}; --no-verify takes it as it is",
                 path=f"{recipe.name}.ont", section="CHECKSUM",
             )  # fmt: skip
     return structure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import replace
 from numbers import Real
 from pathlib import Path
@@ -67,7 +68,9 @@ def known_settings(chosen: dict[str, Any], sites: Floats | None = None) -> FillS
         chosen = {**chosen, "sites": len(sites)}
     for name in chosen:
         if name not in FillSettings.__dataclass_fields__:
-            raise SettingError(name, f"there is no setting {name!r}")
+            near = difflib.get_close_matches(name, FillSettings.__dataclass_fields__, n=1)
+            hint = f"did you mean {near[0]}?" if near else "help(v3dcad.fill) lists them"
+            raise SettingError(name, f"there is no setting {name!r}; {hint}")
     settings = FillSettings(**chosen)
     for name in chosen:
         FillSettings.refuse_other(name, settings.method)
@@ -94,7 +97,8 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     """The recipe of another structure, which has no check sum yet.
 
     Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
-    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites.
+    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites, and for
+    a random seed alone where a foam's sites are listed.
     """
     kept = sites_of(recipe)
     method = settings.get("method", recipe.settings.method)
@@ -115,6 +119,12 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
         else:
             before["cell_size"] = before["stretch"] = "auto"
     elif {"random_seed", "cell_size"} & settings.keys():
+        if kept is not None and method == "foam" and "cell_size" not in settings:
+            raise SettingError(
+                "random_seed",
+                "--random-seed: the file lists its sites, and not the cell size that made them; "
+                "give --cell-size too, or leave it out",
+            )
         kept = None
     chosen = known_settings({**before, **settings})
     if kept is not None:

@@ -232,3 +232,9 @@ def foam_lines(foam: dict[str, Any]) -> dict[str, str]:
         i, j = wall["sites"]
         steepest = f"wall between sites {i} and {j}, {wall['tilt_deg']:.2f}° (certified)"
     return {**({"cell size": ", ".join(size)} if size else {}), "steepest": steepest}
+
+
+def hours_text(seconds: float) -> str:
+    """A duration as people plan with it, such as 3 h 05 min."""
+    hours, minutes = divmod(round(seconds / 60), 60)
+    return f"{hours} h {minutes:02d} min"

@@ -126,10 +126,13 @@ class Checked:
     __dataclass_fields__: dict[str, dataclasses.Field[Any]]
 
     def __post_init__(self) -> None:
-        cls: Any = type(self)
-        for name, kinds in _kinds(cls).items():
-            value = declared(cls, name).checked(name, getattr(self, name), kinds)
-            object.__setattr__(self, name, value)
+        for name in self.__dataclass_fields__:
+            object.__setattr__(self, name, checked(type(self), name, getattr(self, name)))
+
+
+def checked(cls: Any, name: str, value: Any) -> Any:
+    """A value of one field of a settings class, as `Declared.checked` has it."""
+    return declared(cls, name).checked(name, value, _kinds(cls)[name])
 
 
 @cache
@@ -190,6 +193,13 @@ class FillSettings(SectionSettings):
         least=1,
         most=100,
         words=("auto", "columns"),
+        method="foam",
+    )
+    heights: str = setting(
+        "middle",
+        "Where a layer's section is taken: in the middle of the bead that fills it, or at its "
+        "bottom, as the thesis does.",
+        choices=("middle", "bottom"),
         method="foam",
     )
     strict: bool = setting(
@@ -254,6 +264,15 @@ class FillSettings(SectionSettings):
             if getattr(self, name) != field.default:
                 self.refuse_other(name, self.method)
 
+    def section_above(self) -> float:
+        """How far above a layer's base its section is taken, mm."""
+        middle = self.method == "foam" and self.heights == "middle"
+        return self.layer_height / 2 if middle else 0.0
+
+    def layer_span(self) -> tuple[float, float]:
+        """How high a layer is, and where it begins: so far over its section (below it), mm."""
+        return self.layer_height, -self.section_above()
+
     @property
     def lofts(self) -> bool:
         """Whether only the first and the last layer are computed, and those between lofted."""
@@ -309,7 +328,7 @@ class PrintSettings(Checked):
         0.45,
         "Width of one extruded bead; a little more than the nozzle's diameter.",
         unit="mm",
-        above=0,
+        least=0.01,
         most=20,
     )
     bead_shape: str = setting(
@@ -318,22 +337,22 @@ class PrintSettings(Checked):
         choices=("rectangle", "rounded"),
     )
     flow: float = setting(
-        100.0, "Share of the computed material extruded.", unit="%", above=0, most=1000
+        100.0, "Share of the computed material extruded.", unit="%", least=1, most=1000
     )
     first_layer_height: float = setting(
-        0.2, "Height of the first layer's beads.", unit="mm", above=0, most=10
+        0.2, "Height of the first layer's beads.", unit="mm", least=0.01, most=10
     )
     first_layer_speed: float = setting(
-        20.0, "Speed while extruding the first layer.", unit="mm/s", above=0, most=2000
+        20.0, "Speed while extruding the first layer.", unit="mm/s", least=0.1, most=2000
     )
     first_layer_flow: float = setting(
-        100.0, "The same on the first layer, instead of `flow`.", unit="%", above=0, most=1000
+        100.0, "The same on the first layer, instead of `flow`.", unit="%", least=1, most=1000
     )
     overlap_compensation: bool = setting(
         False, "Extrude less where beads overlap at a junction, by the area they share."
     )
     minimum_edge: float = setting(
-        0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0
+        0.1, "Edges shorter than this are joined to their neighbours.", unit="mm", least=0, most=2
     )
 
     contour: str = setting(
@@ -356,14 +375,31 @@ class PrintSettings(Checked):
         "spanning tree.",
         choices=("joined", "least-retrace", "trails", "tree"),
     )
-    bottom_layers: int = setting(0, "Solid layers at the bottom.", least=0)
-    top_layers: int = setting(0, "Solid layers at the top.", least=0, most=1000)
+    seam: str = setting(
+        "aligned",
+        "Where the outermost perimeter begins and ends: above the seam below, in the sharpest "
+        "corner; at the rear; or somewhere else on each layer.",
+        choices=("aligned", "rear", "scattered"),
+    )
+    bottom_layers: int = setting(
+        4, "Solid layers over every face that looks down.", least=0, most=1000
+    )
+    top_layers: int = setting(4, "Solid layers under every face that looks up.", least=0, most=1000)
+    open: bool = setting(
+        False, "Leave out all solid layers: walls and contours alone, as the thesis prints."
+    )
     skirt_loops: int = setting(1, "Loops around the first layer.", least=0, most=1000)
     skirt_distance: float = setting(
         3.0, "Distance from the first layer, or its brim, to the skirt.", unit="mm", least=0
     )
-    brim_width: float = setting(
-        0.0, "Width of the brim around the first layer.", unit="mm", least=0, most=1000
+    brim_width: float | str = setting(
+        "auto",
+        "Width of the brim around the first layer; auto takes 5 where the part touches the bed "
+        "with less than 100 mm², or less than 10 mm wide.",
+        unit="mm",
+        least=0,
+        most=1000,
+        words=("auto",),
     )
 
     prime_line: float = setting(
@@ -375,16 +411,30 @@ class PrintSettings(Checked):
     )
 
     print_speed: float = setting(
-        50.0, "Speed while extruding cells.", unit="mm/s", above=0, most=2000
+        50.0, "Speed while extruding cells.", unit="mm/s", least=0.1, most=2000
     )
     perimeter_speed: float = setting(
-        25.0, "Speed while extruding perimeters.", unit="mm/s", above=0, most=2000
+        25.0, "Speed while extruding perimeters.", unit="mm/s", least=0.1, most=2000
     )
     solid_speed: float = setting(
-        40.0, "Speed while extruding solid layers.", unit="mm/s", above=0, most=2000
+        40.0, "Speed while extruding solid layers.", unit="mm/s", least=0.1, most=2000
+    )
+    bridge_speed: float = setting(
+        25.0,
+        "Speed while extruding solid layers over air and cells.",
+        unit="mm/s",
+        above=0,
+        most=2000,
+    )
+    bridge_flow: float = setting(
+        100.0,
+        "The same over air and cells, instead of `flow`.",
+        unit="%",
+        above=0,
+        most=1000,
     )
     travel_speed: float = setting(
-        150.0, "Speed while not extruding.", unit="mm/s", above=0, most=2000
+        150.0, "Speed while not extruding.", unit="mm/s", least=0.1, most=2000
     )
     minimum_layer_time: float = setting(
         8.0,
@@ -394,34 +444,34 @@ class PrintSettings(Checked):
         most=3600,
     )
     slowest_speed: float = setting(
-        10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", above=0, most=2000
+        10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", least=0.1, most=2000
     )
     most_flow: float = setting(
         15.0,
         "Most filament that the nozzle melts; it limits speeds.",
         unit="mm³/s",
-        above=0,
+        least=0.01,
         most=1000,
     )
-    z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", above=0, most=2000)
+    z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", least=0.1, most=2000)
     acceleration: float = setting(
-        500.0, "Acceleration of every move.", unit="mm/s²", above=0, most=1_000_000
+        500.0, "Acceleration of every move.", unit="mm/s²", least=1, most=1_000_000
     )
     corner_speed: float = setting(
         8.0, "Speed at which a right-angled corner is taken.", unit="mm/s", least=0, most=2000
     )
 
     filament_diameter: float = setting(
-        1.75, "Diameter of the filament.", unit="mm", above=0, most=20
+        1.75, "Diameter of the filament.", unit="mm", least=0.1, most=20
     )
     filament_density: float = setting(
-        1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", above=0, most=25
+        1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", least=0.01, most=25
     )
     retraction: float = setting(
         5.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
     )
     retraction_speed: float = setting(
-        40.0, "Speed of the filament when it is pulled back.", unit="mm/s", above=0, most=2000
+        40.0, "Speed of the filament when it is pulled back.", unit="mm/s", least=0.1, most=2000
     )
     retraction_travel: float = setting(
         1.5, "Shorter travels are made without retraction.", unit="mm", least=0
@@ -440,6 +490,13 @@ class PrintSettings(Checked):
     )
     bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
     fan: float = setting(100.0, "Power of the part's fan.", unit="%", least=0, most=100)
+    bridge_fan: float = setting(
+        100.0,
+        "Power of the fan over air and cells.",
+        unit="%",
+        least=0,
+        most=100,
+    )
     fan_from_layer: int = setting(1, "First layer that the fan blows at.", least=0)
     fan_full_layer: int = setting(
         3, "Layer from which the fan has its full power; before, it speeds up evenly.", least=0
@@ -482,6 +539,10 @@ class PrintSettings(Checked):
     def wall_width(self) -> float:
         """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
         return 2 * self.bead_width if self.route == "joined" else self.bead_width
+
+    def solid_layers(self) -> tuple[int, int]:
+        """How many layers are solid at faces that look down, and at those that look up."""
+        return (0, 0) if self.open else (self.bottom_layers, self.top_layers)
 
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""

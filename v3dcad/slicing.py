@@ -13,7 +13,7 @@ import numpy as np
 from v3dcad.arguments import place
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Floats, Part, Placement, Section
+from v3dcad.model import Floats, Part, Placement, Section, part_words
 from v3dcad.parts import part_from
 from v3dcad.settings import SectionSettings
 from v3dcad.structure.placement import layer_heights, on_bed, turned, upward
@@ -64,6 +64,9 @@ class Sections(Sequence[Section]):
     """(k,) mm, ascending"""
     chord_tolerance: float
     executor: Executor | None = None
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} sections of {part_words(self.part)}>"
 
     def __len__(self) -> int:
         return len(self.heights)
@@ -134,7 +137,7 @@ def write_sections_step(sections: Sequence[Section], path: str | Path, part: Par
 
 def write_sections_svg(sections: Sequence[Section], path: str | Path) -> None:
     """Write sections as SVG, one group each."""
-    from v3dcad.formats.svg import sections_svg
+    from v3dcad.svg import sections_svg
 
     with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
         stream.writelines(sections_svg(sections))

@@ -26,7 +26,7 @@ LANGUAGES = ("tr",)
 CONTEXT = "v3dcad"
 CALLS = {"tr": (0,), "Command": (0, 1), "Group": (0,)}
 """Calls whose arguments at these places are shown to users."""
-TABLES = {"TARGETS", "RESULTS", "hidden", "BREP_FORMS"}
+TABLES = {"TARGETS", "RESULTS", "hidden", "BREP_FORMS", "PROPERTIES", "WAYS"}
 """Tables whose texts are shown."""
 PHASES = (
     "printing", "pausing", "paused", "resuming", "cancelling", "finishing", "ended", "finished",

@@ -184,7 +184,7 @@ def test_mistakes_are_named() -> None:
 
 @pytest.mark.parametrize(
     ("library", "line"),
-    [("build123d", "pip install 'build123d==0.12.*'"), ("cadquery", "'v3dcad[cadquery]'")],
+    [("build123d", "pip install 'v3dcad[build123d]'"), ("cadquery", "'v3dcad[cadquery]'")],
 )
 def test_a_missing_library_is_named_with_the_pip_line(library: str, line: str) -> None:
     code = (

@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
 import pytest
 from hosts import cadquery_or_skip
+from PIL import Image
 
 cadquery = cadquery_or_skip()
 
@@ -58,3 +66,27 @@ def test_shapes_come_back_as_cadquerys_own() -> None:
     for two in (assembly, [block, block.translate((40, 0, 0))]):
         assert v3dcad.part_from(two).contents()["volume"] == "8000 mm³"
         assert v3dcad.part_from(two).library == "cadquery"
+
+
+def test_cadquery_vis_shows_a_filled_workplane(tmp_path: Path) -> None:
+    """On a screen in memory; the picture is kept where `V3DCAD_PICTURES` says."""
+    if shutil.which("xvfb-run") is None:
+        pytest.skip("Xvfb is not installed: apt-get install xvfb")
+    folder = Path(os.environ.get("V3DCAD_PICTURES", tmp_path))
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "cadquery-vis.png"
+    code = (
+        "import sys, cadquery, cadquery.vis, v3dcad.adapters.cadquery\n"
+        "box = cadquery.Workplane().box(30, 30, 20)\n"
+        "walls = box.voronoiFill('faces', cell_size=10.0, layer_height=2.0)\n"
+        "cadquery.vis.show(walls, interact=False, screenshot=sys.argv[1], width=400, height=300,\n"
+        "                  gradient=False, trihedron=False)\n"
+    )
+    command = ["xvfb-run", "-a", sys.executable, "-c", code, str(file)]
+    done = subprocess.run(command, capture_output=True, check=False, timeout=300)
+    assert done.returncode == 0, done.stderr
+    with Image.open(file) as picture:
+        pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
+    colours, counts = np.unique(pixels, axis=0, return_counts=True)
+    assert len(colours) > 10, "walls are lit from several sides"
+    assert 0.1 < 1 - counts.max() / len(pixels) < 0.9

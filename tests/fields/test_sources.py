@@ -17,6 +17,8 @@ from v3dcad.fields.image import image_field
 from v3dcad.fields.sources import in_range, sources_of
 from v3dcad.fields.stress import read_stress, von_mises
 from v3dcad.fields.table import read_table
+from v3dcad.formats.mesh.stl import binary_stl
+from v3dcad.model import Mesh
 from v3dcad.parts import MeshPart, part_from
 
 SIDES = [
@@ -92,6 +94,15 @@ def test_any_text_is_a_field_or_a_setting_error(text: str) -> None:
     except SettingError:
         return
     assert field(*POINTS.T).shape == (2,)
+
+
+def test_a_distance_from_triangles_that_are_not_closed(tmp_path: Path) -> None:
+    lid = Mesh(cube().surface.vertices, cube().surface.triangles[2:4])
+    (tmp_path / "a.stl").write_bytes(binary_stl(lid))
+    assert at(f"distance({str(tmp_path / 'a.stl')!r})") == pytest.approx([5, 8], abs=0.03)
+    for name, told in (("b.stl", "cannot be read"), ("a.obj", "give .stl")):
+        with pytest.raises(FormatError, match=told):
+            at(f"distance({str(tmp_path / name)!r})")
 
 
 @pytest.mark.parametrize("size", [0.0, -1.0, np.nan, np.inf, 1e-9, 1e9])
@@ -192,7 +203,11 @@ def test_the_stress_of_an_frd_file(tmp_path: Path) -> None:
         read_stress(tmp_path / "b.frd")
 
 
-@given(st.binary(max_size=300), st.sampled_from(["csv", "vtu", "vtk", "png", "frd"]), st.booleans())
+@given(
+    st.binary(max_size=300),
+    st.sampled_from(["csv", "vtu", "vtk", "png", "frd", "stl"]),
+    st.booleans(),
+)
 def test_any_file_is_read_or_refused(
     tmp_path_factory: pytest.TempPathFactory, data: bytes, ending: str, damaged: bool
 ) -> None:
@@ -207,6 +222,8 @@ def test_any_file_is_read_or_refused(
             image_field([path], "top", np.zeros((2, 3)))
         elif ending == "csv":
             read_table(path)
+        elif ending == "stl":
+            sources_of(cube())["distance"](str(path))
         else:
             read_stress(path)
     except V3dcadError:

@@ -354,7 +354,7 @@ def test_the_shape_keeps_its_own_triangulation():
 
 def test_what_is_refused():
     block = shapes.box((0, 0, 0), (1, 1, 1))
-    with pytest.raises(SettingError, match="chord-tolerance"):
+    with pytest.raises(SettingError, match="chord_tolerance"):
         sections(block, 0.5, tolerance=0.0)
     with pytest.raises(GeometryError, match="ascending"):
         sections(block, 0.5, 0.4)

@@ -107,7 +107,7 @@ def test_what_cannot_be_lofted(sites: Floats, last: Section, says: str) -> None:
     heights = np.linspace(0, 9.8, 50)
     with pytest.raises(GeometryError, match=says) as caught:
         loft_of([cube(0.0), last], np.array(sites), heights, settings)
-    assert "leave --interpolate out" in str(caught.value)
+    assert "leave interpolate out" in str(caught.value)
     assert caught.value.site is not None
 
 

@@ -55,3 +55,14 @@ def test_heights_start_at_the_base_and_stay_below_the_top(
 def test_a_layer_higher_than_the_part_is_refused() -> None:
     with pytest.raises(SettingError, match=r"only 3 mm high"):
         layer_heights(3.0, 3.5)
+
+
+@pytest.mark.parametrize(("top", "height", "count"), [(30, 0.2, 150), (30.05, 0.2, 150), (1, 1, 1)])
+def test_sections_in_the_middle_of_layers_fill_the_part_but_for_half_a_layer(
+    top: float, height: float, count: int
+) -> None:
+    heights = layer_heights(top, height, height / 2)
+    assert len(heights) == count
+    assert heights[0] == height / 2
+    assert np.diff(heights) == pytest.approx(height)
+    assert abs(top - count * height) <= height / 2

@@ -17,7 +17,7 @@ PART = stack((SQUARE,), 12)
 
 @pytest.mark.parametrize("stretch", ["auto", "columns"])
 def test_cells_larger_than_the_part(stretch: str) -> None:
-    with pytest.raises(SettingError, match=r"cell-size 16\.1: larger than the part") as caught:
+    with pytest.raises(SettingError, match=r"cell_size 16\.1: larger than the part") as caught:
         fill_sections(PART, None, FillSettings(cell_size=16.1, stretch=stretch))
     assert caught.value.name == "cell_size"
     fill_sections(PART, None, FillSettings(cell_size=15.9, stretch=stretch))
@@ -33,7 +33,7 @@ def test_an_automatic_size_always_fits(size: tuple[float, float, float], limit: 
 
 def test_cells_that_the_grid_does_not_resolve() -> None:
     long = [Section(0.2 * k, (SQUARE * [100, 1],)) for k in range(3)]
-    with pytest.raises(SettingError, match=r"cell-size 0\.05: the grid") as caught:
+    with pytest.raises(SettingError, match=r"cell_size 0\.05: the grid") as caught:
         fill_sections(long, None, FillSettings(cell_size=0.05))
     least = float(re.findall(r"cells; ([0-9.]+) mm are the least", str(caught.value))[0])
     with pytest.raises(SettingError, match="grid"):
@@ -62,13 +62,13 @@ def test_a_stretch_below_what_the_overhang_needs() -> None:
     "settings", [{"sites": 50}, {"offset": 1.0}, {"interpolate": True}, {"weight_step": 0.1}]
 )
 def test_settings_of_the_thesis(settings: dict[str, float]) -> None:
-    with pytest.raises(SettingError, match="a setting of --method thesis"):
+    with pytest.raises(SettingError, match="a setting of method thesis"):
         FillSettings(**settings)
 
 
 @pytest.mark.parametrize("settings", [{"cell_size": 5.0}, {"stretch": 2.0}])
 def test_settings_of_the_foam(settings: dict[str, float]) -> None:
-    with pytest.raises(SettingError, match="a setting of --method foam"):
+    with pytest.raises(SettingError, match="a setting of method foam"):
         FillSettings(method="thesis", **settings)
 
 
@@ -100,7 +100,7 @@ def test_a_wall_outside_the_part_may_lean() -> None:
 
 
 def test_sites_in_space_need_a_stretch() -> None:
-    with pytest.raises(SettingError, match="--stretch auto: sites in space need a number"):
+    with pytest.raises(SettingError, match="stretch auto: sites in space need a number"):
         foam(PART, STEEP, stretch="auto")
 
 

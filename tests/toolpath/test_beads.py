@@ -11,6 +11,7 @@ from diagrams import WIDE, area_of, disc, layer, scattered, square, stack
 
 from v3dcad.errors import GeometryError
 from v3dcad.model import (
+    BRIDGE,
     BRIM,
     CELLS,
     EXTRUDE,
@@ -230,9 +231,9 @@ def test_skirt_and_brim_go_around_the_first_layer_only() -> None:
 
 def test_solid_layers_cover_the_section() -> None:
     layers = stack(5)
-    paths, _ = traced(layers, bottom_layers=1, top_layers=2)
-    solid = [bool((path.feature == SOLID).any()) for path in paths]
-    assert solid == [True, False, False, True, True]
+    paths, _ = traced(layers, open=False, bottom_layers=1, top_layers=3)
+    solid = [bool(np.isin(path.feature, (SOLID, BRIDGE)).any()) for path in paths]
+    assert solid == [True, False, True, True, True]
     for path in (paths[0], paths[-1]):
         assert not (path.feature == CELLS).any()
         beads = drawn(path).buffer(0.41)
@@ -244,7 +245,7 @@ def test_solid_layers_cover_the_section() -> None:
 
 def test_solid_lines_are_joined_by_short_steps_only() -> None:
     made = layer(scattered(25, 10, 3), square(10, hole=4))
-    (path,), _ = traced(made, bottom_layers=1)
+    (path,), _ = traced(made, open=False, bottom_layers=1, top_layers=0)
     inside = area_of(made.section).buffer(-0.8, join_style="mitre")
     assert drawn(path, SOLID).length == pytest.approx(inside.area / 0.8, rel=0.1)
     assert inside.buffer(1e-6).covers(drawn(path, SOLID))
@@ -315,14 +316,19 @@ def test_cells_filled_by_the_bead_are_reported() -> None:
 
 
 def test_each_feature_has_its_speed() -> None:
-    speeds = {"print_speed": 30.0, "perimeter_speed": 20.0, "solid_speed": 25.0}
-    paths, _ = traced(stack(3), top_layers=1, **speeds)
-    wanted = {CELLS: 30.0, PERIMETER: 20.0, SOLID: 25.0}
+    speeds = {
+        "print_speed": 30.0,
+        "perimeter_speed": 20.0,
+        "solid_speed": 25.0,
+        "bridge_speed": 15.0,
+    }
+    paths, _ = traced(stack(4), open=False, bottom_layers=0, top_layers=2, **speeds)
+    wanted = {CELLS: 30.0, PERIMETER: 20.0, SOLID: 25.0, BRIDGE: 15.0}
     for path in paths[1:]:
         printed = path.kind == EXTRUDE
         for feature in np.unique(path.feature[printed]).tolist():
             assert (path.speed[printed & (path.feature == feature)] == wanted[feature]).all()
-    assert {SOLID, PERIMETER} == set(paths[2].feature[paths[2].kind == EXTRUDE].tolist())
+    assert {SOLID, PERIMETER} == set(paths[3].feature[paths[3].kind == EXTRUDE].tolist())
 
 
 def test_no_bead_is_laid_faster_than_its_filament_melts() -> None:

@@ -12,11 +12,12 @@ from diagrams import area_of, disc, layer, scattered, square, stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from v3dcad.geometry.loops.joining import BRIDGE, Bridged, Curves, joined
+from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import EXTRUDE, PERIMETER, RETRACED, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
-from v3dcad.toolpath.cell_loops import Loops, cell_loops
-from v3dcad.toolpath.joining import BRIDGE, Bridged, Curves, joined
+from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.perimeters import rings
 from v3dcad.toolpath.report import LayerReport
 
@@ -34,13 +35,18 @@ def loops_of(made: Layer, perimeters: int = 1) -> tuple[Loops, shapely.Geometry]
     """The cells' loops and joined perimeters of a layer, and the area that the cells share."""
     area = area_of(made.section)
     shared = area.buffer(-(perimeters + 0.5) * W, join_style="mitre")
-    lines, owners = cell_loops(made, shared, W)
+    lines: list[Floats] = []
+    owners: list[int] = []
     for depth in range(perimeters):
         against = (perimeters - depth) % 2 == 1
         for ring in rings(area.buffer(-(depth + 1) * W, join_style="mitre")):
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - depth)
-    return Loops.of(lines, owners), shared
+    return cell_loops(made, shared, W).and_these(Loops.of(lines, owners)), shared
+
+
+def rings_of(loops: Loops) -> list[Floats]:
+    return [loops.ring(k) for k in range(len(loops.owner))]
 
 
 def lines_of(curves: Curves) -> list[shapely.Geometry]:
@@ -76,10 +82,7 @@ def test_each_region_is_one_closed_curve(
 @given(st.integers(0, 10**6), st.sampled_from(SECTIONS[:3]))
 def test_bridges_are_as_long_as_what_they_replace(seed: int, section: Section) -> None:
     loops, _ = loops_of(layer(scattered(20, 10, seed), section))
-    before = sum(
-        shapely.LinearRing(loops.points[a:b]).length
-        for a, b in zip(loops.first[:-1], loops.first[1:], strict=True)
-    )
+    before = sum(shapely.LinearRing(ring).length for ring in rings_of(loops))
     after = sum(line.length for line in lines_of(joined(loops, W, Bridged())))
     assert after == pytest.approx(before, rel=2e-3)
 
@@ -89,20 +92,19 @@ def test_bridges_are_as_long_as_what_they_replace(seed: int, section: Section) -
 def test_loops_lie_half_a_bead_inside_their_cells_and_the_area(seed: int) -> None:
     made = layer(scattered(25, 10, seed), square(10, hole=3))
     area = area_of(made.section).buffer(-W, join_style="mitre")
-    lines, owners = cell_loops(made, area, W)
+    loops = cell_loops(made, area, W)
     cells = made.diagram.cells()
     # Who lies beside a cell left out has got a share of it.
     pairs = made.diagram.neighbours
-    grown = set(pairs[~np.isin(pairs, owners).all(axis=1)].ravel().tolist())
-    for site in set(owners) - grown:
+    grown = set(pairs[~np.isin(pairs, loops.owner).all(axis=1)].ravel().tolist())
+    for site in set(loops.owner.tolist()) - grown:
         cell = shapely.Polygon()
         for ring in cells[site]:
             cell = cell ^ shapely.Polygon(ring)
         wanted = cell.buffer(-W / 2, join_style="mitre") & area.buffer(-W / 2, join_style="mitre")
         found = shapely.union_all(
-            [shapely.Polygon(line) for line, owner in zip(lines, owners, strict=True)
-             if owner == site]
-        )  # fmt: skip
+            [shapely.Polygon(loops.ring(k)) for k in np.nonzero(loops.owner == site)[0]]
+        )
         # GEOS cuts sharp corners off, and draws in to 0.01 mm. Only what is too small for a loop
         # of its own is left out.
         assert found.difference(wanted.buffer(0.01)).area < 0.01
@@ -118,9 +120,11 @@ def test_the_area_of_a_cell_too_small_goes_to_its_neighbours() -> None:
     tiny = layer(np.concatenate([around, pair[1:], pressed]), square(8))
     for given_layer, gone in ((made, set[int]()), (tiny, {4})):
         area = area_of(given_layer.section)
-        lines, owners = cell_loops(given_layer, area, W)
-        assert not gone & set(owners)
-        grown = [shapely.Polygon(line).buffer(W / 2, join_style="mitre") for line in lines]
+        loops = cell_loops(given_layer, area, W)
+        assert not gone & set(loops.owner.tolist())
+        grown = [
+            shapely.Polygon(ring).buffer(W / 2, join_style="mitre") for ring in rings_of(loops)
+        ]
         # What is shared out tiles the area: nothing is left over and nothing given twice.
         assert shapely.union_all(grown).area == pytest.approx(area.area, rel=2e-3)
         assert sum(shape.area for shape in grown) == pytest.approx(area.area, rel=2e-3)
@@ -145,7 +149,8 @@ def test_bridges_wander() -> None:
 
 def traced(made: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
-    chosen = PrintSettings(route="joined", perimeters=2, skirt_loops=0, **options)
+    usual = {"perimeters": 2, "skirt_loops": 0, "brim_width": 0.0, "open": True}
+    chosen = PrintSettings(route="joined", **{**usual, **options})
     return list(trace(made, chosen, reports.append)), reports
 
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
 
 from v3dcad.model import Floats
-from v3dcad.view.colours import COLOURS
+from v3dcad.view.colours import COLOURS, RAMP, ramp, rgb
 
 TOGETHER = [
     {"contour", "wall", "context"},
     {"cell", "neighbour", "context"},
     {"tree", "context"},
+    {"perimeter", "bead", "travel"},
 ]
 """The roles that one preview shows at most; test_targets.py holds previews to them."""
 
@@ -44,7 +45,11 @@ TO_XYZ = np.array(  # IEC 61966-2-1
 
 def linear(colour: str) -> Floats:
     """Linear sRGB, 0 … 1."""
-    coded = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
+    return of_display(np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255)
+
+
+def of_display(coded: Floats) -> Floats:
+    """Linear sRGB of sRGB, both 0 … 1."""
     return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
 
 
@@ -57,7 +62,12 @@ def lab(rgb: Floats) -> Floats:
 
 def contrast(one: str, other: str) -> float:
     """The contrast ratio of WCAG 2, 1 … 21."""
-    dark, light = sorted(float(TO_XYZ[1] @ linear(colour)) for colour in (one, other))
+    return contrast_of(linear(one), linear(other))
+
+
+def contrast_of(one: Floats, other: Floats) -> float:
+    """The same of linear sRGB."""
+    dark, light = sorted(float(TO_XYZ[1] @ colour) for colour in (one, other))
     return (light + 0.05) / (dark + 0.05)
 
 
@@ -84,3 +94,24 @@ def test_what_is_shown_together_is_told_apart(eyes: str) -> None:
     for roles in TOGETHER:
         for one, other in combinations(sorted(roles), 2):
             assert np.linalg.norm(seen[one] - seen[other]) > 23, (one, other)
+
+
+def test_a_ramp_begins_and_ends_with_its_colours() -> None:
+    np.testing.assert_array_equal(ramp(np.array([0, 0.5, 1])), [rgb(colour) for colour in RAMP])
+
+
+@pytest.mark.parametrize("background", ["#ffffff", "#222222"])
+def test_all_of_a_ramp_stands_out(background: str) -> None:
+    for colour in ramp(np.linspace(0, 1, 101)):
+        assert contrast_of(of_display(colour), linear(background)) >= 3
+
+
+@pytest.mark.parametrize("eyes", EYES)
+def test_along_a_ramp_colours_change_evenly(eyes: str) -> None:
+    """From one fifth to the next the change is seen, and none is a jump."""
+    seen = [
+        lab(np.clip(EYES[eyes] @ of_display(colour), 0, 1)) for colour in ramp(np.linspace(0, 1, 6))
+    ]
+    steps = [float(np.linalg.norm(one - other)) for one, other in pairwise(seen)]
+    assert min(steps) > 2.3
+    assert max(steps) < 40

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import reduce
 from typing import Any
@@ -11,15 +12,23 @@ import pytest
 import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+from scipy.spatial import Voronoi
 
 from tests.structure.test_fill import SECTIONS, foam, stack
 from tests.view.test_colours import TOGETHER
-from v3dcad import FillSettings, fill_sections
+from v3dcad import FillSettings, PrintSettings, fill_sections
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Layer, Placement
 from v3dcad.structure.placement import turned
+from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.report import LayerReport
 from v3dcad.view.colours import COLOURS
-from v3dcad.view.targets import TARGETS, Preview, _inside, all_lines, preview
+from v3dcad.view.targets.declared import TARGETS
+from v3dcad.view.targets.one_layer import _inside
+from v3dcad.view.targets.preview import preview
+from v3dcad.view.targets.shown import Preview
+from v3dcad.view.targets.sizes import QUANTILES, size_distribution
+from v3dcad.view.targets.whole import all_edges, full, layer_step, overhang
 
 pytestmark = pytest.mark.slow
 
@@ -34,6 +43,8 @@ STRUCTURES["few in a notch"] = list(foam(stack(SECTIONS["notched"], 6, 1.0), FEW
 THESIS = FillSettings(method="thesis", sites=25, layer_height=1.0)
 STRUCTURES["thesis"] = list(fill_sections(stack(SECTIONS["hole"], 6, 1.0), None, THESIS).layers)
 STILL = Placement.none()
+PRINTING = PrintSettings(bead_width=0.3, first_layer_height=1.0)
+PRINTED = list(trace(STRUCTURES["hole"], PRINTING))
 names = pytest.mark.parametrize("name", STRUCTURES)
 
 
@@ -99,9 +110,11 @@ def test_full_shows_each_edge_of_each_layer_once(name: str) -> None:
             in_order(by_role(shown, role)), in_order(np.concatenate(expected))
         )
     assert len(np.unique(in_order(by_role(shown)), axis=0)) == len(by_role(shown)) > 0
-    points, pairs, index = all_lines(iter(layers), STILL)
+    edges = all_edges(iter(layers), STILL)
     for layer in layers:
-        np.testing.assert_array_equal(points[pairs[index == layer.index]], drawn(layer))
+        of = edges.layer == layer.index
+        np.testing.assert_array_equal(edges.points[edges.pairs[of]], drawn(layer))
+        np.testing.assert_array_equal(edges.sites[of], layer.diagram.edge_sites)
     assert not len(shown.labels.sites) + len(shown.cells)
 
 
@@ -189,14 +202,19 @@ def test_the_tree_is_a_minimum_spanning_tree(name: str) -> None:
 def test_a_preview_lies_where_the_source_lies(target: str) -> None:
     layers, placement = STRUCTURES["hole"], turned((30.0, 20.0, 10.0))
     cell, neighbour = layers[2].diagram.neighbours[0].tolist()
-    shown, bed = (preview(target, layers, p, 2, cell, neighbour) for p in (placement, STILL))
+    shown, bed = (
+        preview(target, layers, p, 2, cell, neighbour, PRINTED) for p in (placement, STILL)
+    )
     for here, there in zip(shown.lines, bed.lines, strict=True):
         np.testing.assert_allclose(placement.to_bed(here.points), there.points, atol=1e-12)
         np.testing.assert_array_equal(here.pairs, there.pairs)
         np.testing.assert_array_equal(np.unique(here.pairs), np.arange(len(here.points)))
     np.testing.assert_allclose(placement.to_bed(shown.labels.points), bed.labels.points, atol=1e-12)
-    assert shown.legend == {one.role: COLOURS[one.role] for one in shown.lines}
-    assert any(set(shown.legend) <= roles for roles in TOGETHER)
+    plain = [
+        one.role for one in (*shown.lines, *shown.marks) if getattr(one, "values", None) is None
+    ]
+    assert shown.legend == {role: COLOURS[role] for role in plain}
+    assert any({one.role for one in shown.lines} <= roles for roles in TOGETHER)
 
 
 class Counted(Sequence[Layer]):
@@ -213,12 +231,145 @@ class Counted(Sequence[Layer]):
         return self.layers[index]
 
 
-@pytest.mark.parametrize("target", TARGETS[1:-1])
+@pytest.mark.parametrize("target", [name for name in TARGETS if "layer" in TARGETS[name].asks])
 def test_only_the_layer_that_is_shown_is_computed(target: str) -> None:
     layers = Counted(STRUCTURES["hole"])
     cell, neighbour = layers.layers[2].diagram.neighbours[0].tolist()
-    preview(target, layers, STILL, 2, cell, neighbour)
+    preview(target, layers, STILL, 2, cell, neighbour, PRINTED)
     assert layers.computed == 1
+
+
+@names
+def test_sizes_are_those_of_squares_as_large_as_the_cells(name: str) -> None:
+    for layer in STRUCTURES[name]:
+        cells = cells_of(layer)
+        shown = preview("sizes", STRUCTURES[name], STILL, layer.index)
+        areas = shown.areas
+        assert areas is not None
+        assert shown.scale is not None
+        assert areas.sites.tolist() == sorted(cells)
+        expected = np.sqrt([cells[site].area for site in areas.sites.tolist()])
+        np.testing.assert_allclose(areas.values, expected, rtol=1e-9)
+        assert (shown.scale.low, shown.scale.high) == (areas.values.min(), areas.values.max())
+        rings = np.split(areas.points, areas.starts[1:-1])
+        for row, site in enumerate(areas.sites.tolist()):
+            own = [ring for ring, of in zip(rings, areas.of, strict=True) if of == row]
+            filled = reduce(shapely.symmetric_difference, (shapely.Polygon(r[:, :2]) for r in own))
+            assert same_area(filled, cells[site])
+            assert (np.concatenate(own)[:, 2] == layer.z).all()
+        np.testing.assert_array_equal(in_order(by_role(shown, "context")), in_order(drawn(layer)))
+
+
+@names
+def test_sizes_over_height_are_those_of_cells_that_no_contour_cuts(name: str) -> None:
+    found = size_distribution(iter(STRUCTURES[name]))
+    for row, layer in enumerate(STRUCTURES[name]):
+        outline = shapely.union_all(shapely.linestrings(drawn(layer, ~layer.diagram.inner())))
+        whole = [
+            cell.area
+            for cell in cells_of(layer).values()
+            if shapely.length(shapely.intersection(cell.boundary, outline)) == 0
+        ]
+        assert found.z[row] == layer.z
+        assert found.cells[row] == len(whole)
+        expected = np.quantile(whole, QUANTILES) if whole else np.full(len(QUANTILES), np.nan)
+        np.testing.assert_allclose(found.areas[row], expected, rtol=1e-9)
+        np.testing.assert_allclose(found.sizes[row] ** 2, expected, rtol=1e-9)
+    assert found.cells.any() or "few" in name or "one cell" in name
+
+
+def test_tilts_are_those_of_the_walls_in_space() -> None:
+    """Against the normals of Qhull's ridges, in the space where heights are as they are."""
+    sites, stretch = SITES, 1.7
+    settings = FillSettings(layer_height=1.0, stretch=stretch, max_overhang=90)
+    layers = fill_sections(stack(SECTIONS["square"], 6, 1.0), sites, settings).layers
+    places = sites / [1, 1, stretch]
+    ridges = {}
+    found = Voronoi(places)
+    for pair, corners in zip(found.ridge_points.tolist(), found.ridge_vertices, strict=True):
+        if -1 not in corners:
+            a, b, c = found.vertices[corners[:3]] * [1, 1, stretch]
+            normal = np.cross(b - a, c - a)
+            tilt = np.degrees(np.arctan2(abs(normal[2]), np.hypot(*normal[:2])))
+            ridges[tuple(sorted(pair))] = tilt
+    snapped = layers[0].state.sites
+    order = [int(np.argmin(np.linalg.norm(sites - site, axis=1))) for site in snapped]
+    shown = overhang(layers)
+    walls = next(one for one in shown.lines if one.values is not None)
+    edges = all_edges(layers, STILL)
+    inner = edges.sites[:, 0] >= 0
+    assert np.isnan(edges.tilts[~inner]).all()
+    np.testing.assert_array_equal(walls.values, edges.tilts[inner])
+    checked = 0
+    for (i, j), tilt in zip(edges.sites[inner].tolist(), edges.tilts[inner], strict=True):
+        pair = tuple(sorted((order[i], order[j])))
+        if pair in ridges:
+            assert tilt == pytest.approx(ridges[pair], abs=1e-3)
+            checked += 1
+    assert checked > 0.5 * len(edges.tilts[inner]) > 50
+    assert shown.scale is not None
+    assert shown.scale.high == walls.values.max() > 20
+    assert f"up to {shown.scale.high:.1f}°" in shown.title
+
+
+def test_a_toolpath_is_shown_as_it_is_reported() -> None:
+    reports: list[LayerReport] = []
+    toolpaths = list(trace(STRUCTURES["hole"], PRINTING, reports.append))
+    for report, printed in zip(reports, toolpaths, strict=True):
+        shown = preview("toolpath", STRUCTURES["hole"], STILL, report.layer, toolpaths=toolpaths)
+        beads, travel = by_role(shown, "bead", "perimeter"), by_role(shown, "travel")
+        assert np.linalg.norm(beads[:, 0] - beads[:, 1], axis=1).sum() == pytest.approx(
+            report.extruded
+        )
+        flat = np.linalg.norm((travel[:, 0] - travel[:, 1])[:, :2], axis=1).sum()
+        # How the nozzle comes to the first point is not shown.
+        assert flat == pytest.approx(report.travelled) or report.layer == 0
+        assert f"{printed.volume.sum():.0f} mm³" in shown.title
+        (seams,) = shown.marks
+        corners = {tuple(at) for at in by_role(shown, "perimeter").reshape(-1, 3).tolist()}
+        assert len(seams.points) > 0
+        assert {tuple(at) for at in seams.points.tolist()} <= corners
+    with pytest.raises(SettingError, match="layer 2: nothing is printed on it"):
+        preview("toolpath", STRUCTURES["hole"], STILL, 2, toolpaths=toolpaths[3:])
+
+
+def test_very_many_lines_are_thinned_by_layers_and_that_is_said() -> None:
+    layers = STRUCTURES["hole"]
+    lines = sum(len(layer.diagram.edges) for layer in layers)
+    assert layer_step(layers) == layer_step([]) == 1
+    for made in (full, overhang):
+        whole, thinned = made(layers), made(layers, lines // 2)
+        assert "6 layers" in whole.title
+        assert "one in 3 of 6 layers" in thinned.title or "one in 2 of 6" in thinned.title
+        heights = np.unique(by_role(thinned)[:, :, 2]).tolist()
+        assert heights == [layer.z for layer in layers][:: layer_step(layers, lines // 2)]
+        assert len(by_role(thinned)) <= lines // 2 + len(layers[0].diagram.edges)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_in_steps_everything_has_one_colour_and_nothing_is_lost(target: str) -> None:
+    layers = STRUCTURES["hole"]
+    cell, neighbour = layers[2].diagram.neighbours[0].tolist()
+    shown = preview(target, layers, STILL, 2, cell, neighbour, PRINTED)
+    steps = shown.stepped()
+    lines = np.concatenate([points[pairs] for _, _, points, pairs in steps])
+    marks = sum(len(mark.points) for mark in shown.marks)
+    outlines = 0 if shown.areas is None else len(shown.areas.points)
+    assert len(lines) == len(by_role(shown)) + marks + outlines
+    names = [name for name, *_ in steps]
+    assert len(set(names)) == len(names)
+    for name, colour, points, pairs in steps:
+        assert re.fullmatch("#[0-9a-f]{6}", colour)
+        if name in COLOURS:
+            assert colour == COLOURS[name]
+            continue
+        assert shown.scale is not None
+        low, high = map(float, re.findall(r"[\d.]+", name))
+        of = {tuple(sorted(map(tuple, ends))) for ends in points[pairs].tolist()}
+        for one in (one for one in shown.lines if one.values is not None):
+            for ends, value in zip(one.points[one.pairs].tolist(), one.values, strict=True):
+                if tuple(sorted(map(tuple, ends))) in of:
+                    assert low * 0.99 - 0.01 <= value <= high * 1.01 + 0.01
 
 
 def test_a_cell_without_area_is_labelled_where_it_is() -> None:
@@ -238,10 +389,14 @@ APART = next(one for one in CELLS[1:] if [CELL, one] not in BESIDE)
         (("moon",), "target", "target 'moon': give full, layer, cell, neighbours, neighbour, tree"),
         (("layer", -1), "layer", "layer -1: the layers are 0 to 5"),
         (("tree", 6), "layer", "layer 6: the layers are 0 to 5"),
-        (("cell", 2), "cell", "cell None: the cells of layer 2 are "),
+        (("cell", 2), "cell", "no cell is chosen: the cells of layer 2 are "),
         (("cell", 2, -1), "cell", "cell -1: the cells of layer 2 are "),
         (("neighbours", 2, 999), "cell", f"cell 999: the cells of layer 2 are {CELL}, "),
-        (("neighbour", 2, CELL), "neighbour", f"neighbour None: the neighbours of cell {CELL} on"),
+        (
+            ("neighbour", 2, CELL),
+            "neighbour",
+            f"no neighbour is chosen: the neighbours of cell {CELL} on",
+        ),
         (("neighbour", 2, CELL, CELL), "neighbour", f"neighbour {CELL}: the neighbours of cell"),
         (("neighbour", 2, CELL, APART), "neighbour", f"neighbour {APART}: the neighbours of cell"),
     ],

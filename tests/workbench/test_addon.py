@@ -101,7 +101,8 @@ def test_pins_fit_what_v3dcad_needs() -> None:
     lines = (ADDON / "resources" / "pins.txt").read_text(encoding="utf-8").splitlines()
     pins = {name: version for name, _, version in (line.partition("==") for line in lines)}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    for one in map(Requirement, project["dependencies"]):
+    needed = project["dependencies"] + project["optional-dependencies"]["occt"]
+    for one in map(Requirement, needed):
         assert one.specifier.contains(pins[canonicalize_name(one.name)]), one
 
 

@@ -129,6 +129,25 @@ def test_a_preview_is_that_layer_of_the_fill(
         assert again["layer"] == min(index, len(layers) - 1)
 
 
+@pytest.mark.parametrize("target", ["sizes", "overhang", "toolpath"])
+def test_previews_of_values_come_in_steps_of_one_colour(
+    worker: Worker, cone: Path, target: str
+) -> None:
+    structure = v3dcad.fill(cone, **SETTINGS)
+    shown = worker.get("layer", source=str(cone), settings=SETTINGS, target=target, layer=7,
+                       print={"bead_width": 0.6})  # fmt: skip
+    expected = structure.preview(target, 7, printing=PrintSettings(bead_width=0.6))
+    assert shown["title"] == expected.title
+    assert list(shown["legend"]) == [name for name, *_ in expected.stepped()]
+    for part, (_, colour, points, pairs) in zip(shown["parts"], expected.stepped(), strict=True):
+        assert part["colour"] == colour
+        assert len(np.load(part["points"])) == len(points)
+        np.testing.assert_array_equal(
+            in_order(np.load(part["points"])[np.load(part["pairs"])]),
+            in_order(points[pairs].astype(np.float32)),
+        )
+
+
 def test_a_changed_part_has_another_name_and_other_settings_another_structure(
     worker: Worker, cone: Path, samples: Path
 ) -> None:

@@ -11,7 +11,7 @@ try:
     from build123d import BasePartObject, Mode, Part
 except ImportError as error:
     raise ImportError(
-        f"build123d cannot be imported ({error}): run `pip install 'build123d==0.12.*'`"
+        f"build123d cannot be imported ({error}): run `pip install 'v3dcad[build123d]'`"
     ) from error
 
 

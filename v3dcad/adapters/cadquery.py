@@ -12,7 +12,8 @@ try:
 except ImportError as error:
     # The OCP that build123d brings lacks VTK; where it was installed last, it lies over CadQuery's.
     over = "IVtk" in str(error)
-    line = "--force-reinstall --no-deps cadquery-ocp" if over else "'v3dcad[cadquery]'"
+    own = "--force-reinstall --no-deps 'cadquery-ocp>=7.9,<8'"
+    line = own if over else "'v3dcad[cadquery]'"
     raise ImportError(f"cadquery cannot be imported ({error}): run `pip install {line}`") from error
 
 

@@ -1,4 +1,4 @@
-"""The first start: two processes compile what a command needs, and a terminal is told."""
+"""The first start: two processes compile what a command needs, and it is told."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ THEIRS = (
 )
 """those that meanwhile a second process compiles: needed last, and as much work."""
 
+NOTICE = "compiling the engine: half a minute, once"
+
 SLICING = ("v3dcad.geometry.surface.section", "v3dcad.geometry.surface.gaps")
 """What it then compiles: for the sections of a STEP part, which come after the engine is loaded."""
 
@@ -37,7 +39,7 @@ def load_engine() -> None:
 
 
 def tell_of_compiling(*beside: str) -> None:
-    """From now on say on a terminal, once, should something be compiled: it takes a while.
+    """From now on say on stderr, once, should something be compiled: it takes a while.
 
     Then, too, have a second process load some modules `beside`, and so compile them. To be called
     before anything is loaded that is compiled.
@@ -50,8 +52,7 @@ def tell_of_compiling(*beside: str) -> None:
         def on_start(self, _: object) -> None:
             if not self.begun:
                 self.begun = True
-                if sys.stderr.isatty():
-                    print("compiling the engine: half a minute, once", file=sys.stderr, flush=True)
+                print(NOTICE, file=sys.stderr, flush=True)
                 if beside and (os.cpu_count() or 1) > 1:
                     _load_beside(beside)
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.estimate import estimated, tell
+from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import (
     AsBrep,
     PartFile,
@@ -19,6 +21,7 @@ from v3dcad.commands.part_options import (
     Up,
     part_of,
 )
+from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
@@ -52,12 +55,7 @@ def fill(
             metavar="CSV", help="Sites as x,y,z in mm, or x,y for columns; bed coordinates."
         ),
     ] = None,
-    profile: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME|TOML", help="Machine profile, as prusa-mk4, or a file of yours."
-        ),
-    ] = None,
+    profile: Profile = None,
     ont: OutputFile = None,
     gcode: OutputFile = None,
     step: OutputFile = None,
@@ -84,47 +82,51 @@ def fill(
     named = {"ont": ont, "gcode": gcode, "step": step, "png": png, "report": report}
     named |= {"stl": stl, "threemf": threemf, "brep": brep, "svg": svg}
     files = _files(part, out, named)
-    load_engine()
-    from v3dcad.exports import export
-    from v3dcad.parts import check_readable
-    from v3dcad.pipeline import fill as fill_part
-
-    printing = _print_settings(profile, settings)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
-    if sites_file is not None:
-        from v3dcad.formats.sites_csv import read_sites
+    from v3dcad.parts import ONT, check_readable
+    from v3dcad.recipes import known_settings
 
-        check_readable(sites_file)
-        chosen["sites"] = read_sites(sites_file)
-    with Progress() as progress:
+    if part.suffix.lower() not in ONT:
+        known_settings(chosen)  # all that can be known before the part is read
+    printing = print_settings(profile, settings)
+    # Loading, filling, the certificate (with the report), and each other file.
+    steps = 3 + len(files.keys() - {"report"})
+    with Progress(f"filling {part.name}", steps) as progress:
+        progress.start("loading the engine")
+        load_engine()
+        from v3dcad.exports import export
+        from v3dcad.pipeline import fill as fill_part
+
+        if sites_file is not None:
+            from v3dcad.formats.sites_csv import read_sites
+
+            check_readable(sites_file)
+            chosen["sites"] = read_sites(sites_file)
         progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep, unit, scale) or part
-        structure = fill_part(source, verify=verify, progress=progress.step, **chosen)
+        source = part_of(part, rotate, up, repair, as_brep, unit, scale)
+        if source is not None and sites_file is None:
+            expected = estimated(source.bounds, known_settings(chosen))
+            if expected is not None:
+                progress.pause()
+                tell(expected, files.get("gcode"))
+                progress.go_on()
+        structure = fill_part(source or part, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         for kind, file in files.items():
-            progress.start(f"writing {file}")
+            if kind != "report":
+                progress.start(f"writing {file}")
             if kind == "gcode":
                 printed = watched.write_gcode(file, printing)
             elif kind != "report":
-                export(watched, kind, file, exporting, printing.bead_width)
+                export(watched, kind, file, exporting, printing.bead_width, printed)
         progress.start("checking what holds up each layer")
         if "report" in files:
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
     _print_summary(structure, summary, files)
-
-
-def _print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
-    """What a profile says, unless an option says otherwise."""
-    known: dict[str, Any] = {}
-    if profile is not None:
-        from v3dcad.formats.gcode.machine_profile import read_profile
-
-        known = read_profile(profile)
-    return PrintSettings(**{**known, **given(PrintSettings, settings)})
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
@@ -137,9 +139,7 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
             files[kind] = file
     if not files:
         raise SettingError("out", "nothing to write: give --out DIR, or a file such as --gcode F")
-    for kind, file in files.items():
-        if file.resolve() == part.resolve():
-            raise SettingError(kind, f"{file}: would overwrite the part itself; name another place")
+    check_outputs(part, files)
     return files
 
 
@@ -160,7 +160,8 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             *(("written", written_line(file)) for file in files.values()),
             *(("note", finding) for finding in structure.findings()),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
-        ]
+        ],
+        files.values(),
     )
 
 

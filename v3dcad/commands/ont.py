@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.rows import print_rows
 
 ont_app = typer.Typer(name="ont", help="Check and convert .ont files.", no_args_is_help=True)
@@ -42,8 +43,10 @@ def convert(
     verify: Annotated[bool, typer.Option(help="Compare with the check sum first.")] = True,
 ) -> None:
     """Write an .ont file with its boundary in another form."""
+    check_outputs(file, {"ont": out})
     load_engine()
+    from v3dcad.exports import written_line
     from v3dcad.ont import convert as converted
 
     converted(file, out, boundary, verify=verify)
-    print_rows([("written", f"{out} ({out.stat().st_size:,} bytes)")])
+    print_rows([("written", written_line(out))], [out])

@@ -55,10 +55,8 @@ def part_of(
     from v3dcad.slicing import place_on_bed
 
     if file.suffix.lower() in ONT:
-        options: dict[str, object] = {
-            "rotate": rotate, "up": up, "repair": repair, "as_brep": as_brep,
-            "unit": unit, "scale": scale,
-        }  # fmt: skip
+        options: dict[str, object] = {"rotate": rotate, "up": up, "repair": repair}
+        options |= {"as_brep": as_brep, "unit": unit, "scale": scale}
         for name in (name for name, value in options.items() if value not in (None, False)):
             message = f"{option(name)}: an .ont file holds its part as it was filled"
             raise SettingError(name, message)

@@ -184,7 +184,7 @@ class _Printing:
             end = run_job(job, self.link, each_turn=turn)
             done = True
         except PrintError as error:
-            self.view.say("end", end=error.end, message=error.message)
+            self.view.say("end", end=error.end, message=error.reason)
             raise
         finally:
             journal.close(done=done)
@@ -233,7 +233,7 @@ class _Turn:
                 try:
                     self.job.override(now, **{which: value})
                 except SettingError as error:
-                    self.printing.view.say("mistake", text=str(error))
+                    self.printing.view.say("mistake", text=error.message)
             case "mistake":
                 self.printing.view.say("mistake", text=wish.text)
 

@@ -1,64 +1,102 @@
-"""Progress on a terminal, nothing in a pipe."""
+"""Progress: one bar over all steps of a command on a terminal, one line in a pipe."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from v3dcad.watched import Watched
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
 
 T = TypeVar("T")
 
 
 class Progress:
-    """A bar that shows the step of the work and how far it is."""
+    """What a command is doing, on stderr.
+
+    A terminal gets a bar over all `steps`, with the one under way and the time left as if they took
+    equally long. Anything else gets the line `doing`, if there is one, as soon as layers are made:
+    what is wrong with the input is found before, and is one line by itself.
+    """
+
+    def __init__(self, doing: str = "", steps: int = 1) -> None:
+        self.doing = doing
+        self.steps = steps
+        self.begun = 0
+        self.current = doing
+        self.bar: Bar | None = None
 
     def __enter__(self) -> Progress:
+        if not sys.stderr.isatty():
+            return self
         from rich import progress
         from rich.console import Console
 
-        console = Console(stderr=True)
         self.bar = progress.Progress(
             progress.TextColumn("{task.description}"),
             progress.BarColumn(),
             progress.TimeElapsedColumn(),
             progress.TimeRemainingColumn(),
-            console=console,
+            console=Console(stderr=True),
             transient=True,
-            disable=not console.is_terminal,
         )
-        self.task = self.bar.add_task("", total=None)
+        self.task = self.bar.add_task(self.doing, total=float(self.steps))
         self.bar.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.bar.stop()
+        if self.bar is not None:
+            self.bar.stop()
 
     def start(self, what: str) -> None:
-        """Begin a step of the work whose length is not known yet."""
-        self.bar.reset(self.task, total=None, description=what)
+        """Begin the next step of the work."""
+        self.begun += 1
+        self.current = what
+        self.step(what, 0, 1)
+
+    def step(self, what: str, done: int, of: int) -> None:
+        """Say what is done in the step under way, and how much of it is."""
+        if self.bar is not None:
+            share = self.begun - 1 + done / max(of, 1)
+            self.bar.update(self.task, description=what, completed=share)
+        elif of > 1:
+            self._tell()
 
     def count(self, what: str, total: int) -> Callable[[int], None]:
         """Begin a step of known length; the function moves the bar by so much."""
-        self.bar.reset(self.task, total=total, description=what)
-        return lambda done: self.bar.advance(self.task, done)
+        self.start(what)
+        done = 0
 
-    def step(self, what: str, done: int, of: int) -> None:
-        """Show a step of the work, and how much of it is done."""
-        self.bar.update(self.task, description=what, completed=done, total=of if of > 1 else None)
+        def advance(by: int) -> None:
+            nonlocal done
+            done += by
+            self.step(what, done, total)
+
+        return advance
 
     def pause(self) -> None:
         """Take the bar away, so that something can be asked; `go_on` brings it back."""
-        self.bar.stop()
+        if self.bar is not None:
+            self.bar.stop()
 
     def go_on(self) -> None:
         """Show the bar again."""
-        self.bar.start()
+        if self.bar is not None:
+            self.bar.start()
 
     def watch(self, layers: Sequence[T]) -> Sequence[T]:
         """The same layers or sections; going through them moves the bar."""
 
         def passed(done: int) -> None:
-            self.bar.update(self.task, total=len(layers), completed=done)
+            self.step(self.current, done, len(layers))
 
         return Watched(layers, passed)
+
+    def _tell(self) -> None:
+        """The line in a pipe, once."""
+        if self.doing:
+            print(self.doing, file=sys.stderr, flush=True)
+        self.doing = ""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from v3dcad.commands.compiling import tell_of_compiling
+from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import (
     AsBrep,
     PartFile,
@@ -41,23 +43,23 @@ def slice_part(
     **settings: Any,
 ) -> None:
     """Cut PART into sections: STEP with exact lines and arcs, SVG."""
-    tell_of_compiling()
-    from v3dcad.slicing import section, write_sections_step, write_sections_svg
-
-    files = [file for file in (step, svg) if file is not None]
+    named = {"step": step, "svg": svg}
+    files = {kind: file for kind, file in named.items() if file is not None}
     if not files:
         raise SettingError("step", "nothing to write: give --step FILE or --svg FILE")
-    for file in files:
-        if file.resolve() == part.resolve():
-            message = f"{file}: would overwrite the part itself; name another place"
-            raise SettingError("step" if file == step else "svg", message)
-    with Progress() as progress:
+    check_outputs(part, files)
+    chosen = SectionSettings(**given(SectionSettings, settings))
+    tell_of_compiling()
+    from v3dcad.exports import written_line
+    from v3dcad.slicing import section, write_sections_step, write_sections_svg
+
+    with Progress(f"cutting {part.name}", 2 + len(files)) as progress:
         progress.start("reading the part")
         found = part_of(part, rotate, up, repair, as_brep, unit, scale)
         if found is None:
             message = "slice the part that it was made from; fill makes its structure"
             raise FormatError(message, path=str(part))
-        sections = section(found, **given(SectionSettings, settings))
+        sections = section(found, **asdict(chosen))
         watched = progress.watch(sections)
         if step is not None:
             progress.start(f"writing {step}")
@@ -76,7 +78,8 @@ def slice_part(
             ("sections", len(sections)),
             ("contours", f"{sum(rings)}, at most {max(rings)} in one section"),
             ("points", sum(points)),
-            *(("written", f"{file} ({file.stat().st_size:,} bytes)") for file in files),
+            *(("written", written_line(file)) for file in files.values()),
             *(("note", finding) for finding in sections.part.findings),
-        ]
+        ],
+        files.values(),
     )

@@ -14,7 +14,7 @@ from v3dcad.fields.expression import Source, field_of
 from v3dcad.fields.image import image_field
 from v3dcad.fields.scattered import interpolated
 from v3dcad.fields.stress import read_stress
-from v3dcad.fields.table import read_table
+from v3dcad.fields.table import read_table, read_triangles
 from v3dcad.model import Floats, Part
 from v3dcad.settings import Field
 
@@ -41,9 +41,9 @@ def size_field(cell_size: str | Field, part: Part) -> Callable[[Floats], Floats]
 def sources_of(part: Part) -> Mapping[str, Source]:
     """The fields that an expression can call, in the coordinates of the part.
 
-    surface() and faces(n, …): the distance from the part's surface, or from faces by their
-    numbers, mm. table(file, column): values at points. image(file, …, view): grey, from 0 to 1.
-    stress(file): von Mises stress.
+    surface(), faces(n, …) and distance(file): the distance from the part's surface, from faces by
+    their numbers, or from the triangles of an STL file, mm. table(file, column): values at points.
+    image(file, …, view): grey, from 0 to 1. stress(file): von Mises stress.
     """
 
     def surface() -> Field:
@@ -53,6 +53,9 @@ def sources_of(part: Part) -> Mapping[str, Source]:
         if not numbers or not all(type(number) is int for number in numbers):
             raise SettingError("cell_size", "faces: give numbers of faces, from 0")
         return distance_to(part.face_mesh(tuple(numbers)))
+
+    def distance(file: Any) -> Field:
+        return distance_to(read_triangles(_path("distance", file)))
 
     def table(file: Any, column: Any = None) -> Field:
         if not isinstance(column, str | None):
@@ -72,7 +75,8 @@ def sources_of(part: Part) -> Mapping[str, Source]:
         return interpolated(points, values)
 
     return {
-        "surface": surface, "faces": faces, "table": table, "image": image, "stress": stress
+        "surface": surface, "faces": faces, "distance": distance,
+        "table": table, "image": image, "stress": stress,
     }  # fmt: skip
 
 

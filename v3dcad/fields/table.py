@@ -1,13 +1,14 @@
-"""Values at points, from files: CSV, and what VTK writes (VTU, VTK)."""
+"""What is read from files: values at points (CSV, VTU, VTK), and triangles (STL)."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from v3dcad.errors import FormatError
-from v3dcad.model import Floats
+from v3dcad.model import Floats, Mesh
 
 CSV, VTK = (".csv", ".txt", ".tsv"), (".vtu", ".vtk")
 
@@ -108,23 +109,41 @@ def _places(cells: list[str], column: str | None, path: str, line: int) -> list[
 
 def read_vtk(path: Path) -> tuple[Floats, dict[str, Floats]]:
     """The points (n, 3) of a VTK file and the arrays at them, by name."""
-    try:
-        import meshio
-
-        mesh = meshio.read(path)
-        points = np.asarray(mesh.points, np.float64)
-        arrays = {name: np.asarray(data, np.float64) for name, data in mesh.point_data.items()}
-    except (Exception, SystemExit) as error:  # meshio raises what its parsers raise
-        if isinstance(error, ImportError):
-            raise
-        raise FormatError(
-            f"cannot be read as a VTK file ({type(error).__name__})", path=str(path)
-        ) from error
+    mesh = _read_mesh(path, "a VTK file")
+    points = np.asarray(mesh.points, np.float64)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise FormatError("its points have neither two nor three coordinates", path=str(path))
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
+    arrays = {name: np.asarray(data, np.float64) for name, data in mesh.point_data.items()}
     return points, {name: data for name, data in arrays.items() if len(data) == len(points)}
+
+
+def read_triangles(path: Path) -> Mesh:
+    """The triangles of an STL file, mm, which need not be closed."""
+    if path.suffix.lower() != ".stl":
+        raise FormatError("not triangles that can be read; give .stl", path=str(path))
+    mesh = _read_mesh(path, "an STL file")
+    triangles = np.concatenate(
+        [np.empty((0, 3), np.int64), *(one.data for one in mesh.cells if one.type == "triangle")]
+    )
+    points = np.asarray(mesh.points, np.float64)
+    refuse_unusable(points[triangles.ravel()], np.empty(0), path, "triangles")
+    return Mesh(points, triangles)
+
+
+def _read_mesh(path: Path, kind: str) -> Any:
+    """What meshio reads of a file that is of a kind, in words."""
+    try:
+        import meshio
+
+        return meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio raises what its parsers raise
+        if isinstance(error, ImportError):
+            raise
+        raise FormatError(
+            f"cannot be read as {kind} ({type(error).__name__})", path=str(path)
+        ) from error
 
 
 def _array_of(arrays: dict[str, Floats], column: str | None, path: Path) -> Floats:

@@ -18,7 +18,7 @@ except ImportError as error:
         ) from error
     raise MissingKernelError(
         f"the geometry kernel OCP cannot be imported ({error}): "
-        "run `pip install 'cadquery-ocp-novtk>=7.9,<8'`, then try again"
+        "run `pip install 'v3dcad[occt]'`, then try again"
     ) from error
 
 # OCCT's own messages are not printed; what matters is raised as an error.

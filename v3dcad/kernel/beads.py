@@ -23,14 +23,15 @@ PROFILES = ("rectangle", "rounded")
 
 
 def layer_beads(
-    layer: Layer, placement: Placement, width: float, height: float, profile: str = "rounded"
-) -> TopoDS_Compound:
+    layer: Layer, placement: Placement, width: float, height: float, profile: str = "rounded",
+    base: float = 0.0,
+) -> TopoDS_Compound:  # fmt: skip
     """One compound of a layer's beads, where the source lies.
 
     The profile is swept along every edge, and turned about every vertex, so that beads end round
-    and overlap where they meet. Its base is at the layer's height: a rectangle `width` by `height`,
-    mm, or, `rounded`, one whose sides are half circles. Raises `SettingError` for a size of 0,
-    another profile, or a rounded one that is higher than wide.
+    and overlap where they meet. It stands `base` over the layer's height: a rectangle `width` by
+    `height`, mm, or, `rounded`, one whose sides are half circles. Raises `SettingError` for a size
+    of 0, another profile, or a rounded one that is higher than wide.
     """
     above_zero("width", width)
     above_zero("height", height)
@@ -42,16 +43,16 @@ def layer_beads(
         )
     left, right = _profile(width, height, profile, -1.0), _profile(width, height, profile, 0.0)
     joint = BRepPrimAPI_MakeRevol(right, gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))).Shape()
-    diagram = layer.diagram
+    diagram, z = layer.diagram, layer.z + base
     ends = diagram.vertices[diagram.edges[diagram.lengths() > TOLERANCE]]
     made: list[TopoDS_Shape] = []
     for (x, y), (to_x, to_y) in ends.tolist():
         along = gp_Vec(to_x - x, to_y - y, 0)
         turned = gp_Trsf()
         turned.SetRotation(gp_Quaternion(gp_Vec(0, 1, 0), along))
-        made.append(BRepPrimAPI_MakePrism(left.Moved(_to(x, y, layer.z, turned)), along).Shape())
+        made.append(BRepPrimAPI_MakePrism(left.Moved(_to(x, y, z, turned)), along).Shape())
     for x, y in diagram.vertices[np.unique(diagram.edges)].tolist():
-        made.append(joint.Moved(_to(x, y, layer.z, gp_Trsf())))
+        made.append(joint.Moved(_to(x, y, z, gp_Trsf())))
     return TopoDS.Compound_s(compound(made).Moved(location(placement).Inverted()))
 
 

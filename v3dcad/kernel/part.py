@@ -42,7 +42,7 @@ from v3dcad.kernel.shapes import (
     volume,
 )
 from v3dcad.kernel.union import one_body, overlaps, solids_meet
-from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section
+from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section, part_words
 
 MESH_SAG = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -77,6 +77,9 @@ class SolidPart:
     """mm³, by how much the sum of the solids' volumes exceeds that of their union"""
     library: str = ""
     """the CAD library that its shapes are given back to: "build123d", "cadquery" or none"""
+
+    def __repr__(self) -> str:
+        return f"<SolidPart {part_words(self)}>"
 
     def contents(self) -> dict[str, str]:
         """What it is made of, as lines to show."""
@@ -156,7 +159,7 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str, factor: float = 1.0) 
     try:
         box = true_bounds(solid)
     except KernelError as error:
-        raise KernelError(f"{where}: {error}") from error
+        raise KernelError(f"{where}: {error.message}") from error
     return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 

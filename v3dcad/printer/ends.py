@@ -19,12 +19,12 @@ class End(StrEnum):
 
 
 class PrintError(RemotePrinterError):
-    """The print ended otherwise than it should have; `end` names how."""
+    """The print ended otherwise than it should have; `end` names how, `reason` says more."""
 
-    def __init__(self, end: End, message: str) -> None:
+    def __init__(self, end: End, reason: str) -> None:
         self.end = end
-        self.message = message
-        super().__init__(f"{end}: {message}")
+        self.reason = reason
+        super().__init__(f"{end}: {reason}")
 
 
 class HostFault(StrEnum):

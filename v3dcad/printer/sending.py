@@ -91,6 +91,6 @@ class Sending:
             return error
         with contextlib.suppress(HostError):
             carry(self.host.remove(self.file.name), self.address)
-            return HostError(error.fault, f"{error}; nothing of it is left on the server")
-        message = f"{error}; a part of it may be left on the server as {self.file.name}"
+            return HostError(error.fault, f"{error.message}; nothing of it is left on the server")
+        message = f"{error.message}; a part of it may be left on the server as {self.file.name}"
         return HostError(error.fault, message)

@@ -13,6 +13,9 @@ from v3dcad.model import Layer
 class LayerSequence(Sequence[Layer]):
     """A sequence of layers whose `layer` makes one; negative indices count from the top."""
 
+    def __repr__(self) -> str:
+        return f"<{len(self)} layers>"
+
     @abstractmethod
     def layer(self, index: int) -> Layer:
         """Layer `index`, 0 ≤ index < len(self), by itself."""

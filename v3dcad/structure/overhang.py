@@ -57,7 +57,7 @@ def overhang(layers: Iterable[Layer], bead_width: float) -> Overhang:
     rows: list[tuple[float, ...]] = []
     below: Layer | None = None
     for layer in layers:
-        tilts = (_degrees(wall_slopes(layer)), _degrees(strut_slopes(layer)))
+        tilts = (_degrees(layer.slopes(layer.diagram.neighbours)), _degrees(strut_slopes(layer)))
         rest = (0.0, 0.0, 0.0) if below is None else _rests(layer, below, bead_width / 2)
         rows.append((*tilts, *rest))
         below = layer
@@ -84,14 +84,6 @@ def _neighbours_over(sites: Floats, weights: Floats, section: Section) -> Ints:
 
 def _degrees(slopes: Floats) -> float:
     return float(np.degrees(np.arctan(slopes.max(initial=0.0))))
-
-
-def wall_slopes(layer: Layer) -> Floats:
-    """(m,) shift of each wall per height, one for each row of the layer's neighbours."""
-    i, j = layer.diagram.neighbours.T
-    state = layer.state
-    apart = np.hypot(*(state.sites[i, :2] - state.sites[j, :2]).T)
-    return np.asarray(np.abs(state.growth[i] - state.growth[j]) / (2 * apart))
 
 
 def strut_slopes(layer: Layer) -> Floats:

@@ -14,6 +14,9 @@ SNAP = 1e-9
 """mm; a part that already lies this close to its place is not moved at all, so that placing a
 placed part changes no bit of it."""
 
+MOST_LAYERS = 1_000_000
+"""Ten metres of layers of 0.01 mm."""
+
 TOP = 1e-6
 """mm; a plane this close to the part's top cuts nothing off it and is not a layer."""
 
@@ -56,13 +59,23 @@ def upward(direction: Floats) -> Placement:
     return Placement(np.eye(3) + tilt + tilt @ tilt / (1 + z), np.zeros(3))
 
 
-def layer_heights(top: float, layer_height: float) -> Floats:
-    """The heights 0, h, 2h, … below `top`, mm; `SettingError` where h is above the part."""
+def layer_heights(top: float, layer_height: float, above: float = 0.0) -> Floats:
+    """The heights a, a + h, a + 2h, … below `top`, mm, for sections `above` their layer's base.
+
+    `SettingError` where h is above the part, or so small that they are more than `MOST_LAYERS`.
+    """
     if layer_height > top + TOP:
         raise SettingError(
             "layer_height",
             f"--layer-height {layer_height:g}: the part is only {top:g} mm high; "
             "give a smaller layer height",
         )
-    count = int(np.ceil((top - TOP) / layer_height))
-    return np.arange(float(max(count, 1))) * layer_height
+    layers = (top - above - TOP) / layer_height
+    if layers > MOST_LAYERS:
+        raise SettingError(
+            "layer_height",
+            f"--layer-height {layer_height:g}: {layers:.3g} layers, more than {MOST_LAYERS:,}; "
+            f"give at least {top / MOST_LAYERS:.2g}",
+        )
+    count = int(np.ceil(layers))
+    return np.arange(float(max(count, 1))) * layer_height + above

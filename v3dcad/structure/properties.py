@@ -44,9 +44,9 @@ class Properties(Value):
 
 def properties(
     layers: Iterable[Layer], layer_height: float, bead_width: float, density: float,
-    perimeters: int = 1,
+    perimeters: int = 1, *, base: float = 0.0,
 ) -> Properties:  # fmt: skip
-    """Integrate over layers, each as high as `layer_height`, mm.
+    """Integrate over layers, each as high as `layer_height`, mm, from `base` mm over its section.
 
     Walls are `bead_width` mm wide, contours `perimeters` beads inwards; `density` in g/cm³.
     Raises `SettingError` for a width or density that is not above 0.
@@ -60,7 +60,7 @@ def properties(
             solid = _plane_moments(area)
             hollow = _plane_moments(_voids(layer, area, bead_width, perimeters))
             for row, plane in enumerate((solid - hollow, solid)):
-                moments[row] += _slab_moments(plane, layer.z, layer_height)
+                moments[row] += _slab_moments(plane, layer.z + base, layer_height)
     volume, x, y, z, xx, yy, zz, xy, xz, yz = moments[0]
     if volume <= 0:
         return Properties(0.0, 0.0, 0.0, np.zeros(3), np.zeros((3, 3)))

@@ -5,8 +5,7 @@ perimeters  a section's area, its insets, its arcs
 trim        cell edges cut off at the innermost perimeter
 route       strokes: least retrace (euler), trails; tree_route: the thesis's order
 stroke      what is extruded without a stop
-convex_inset, cell_loops  two beads for each wall: every cell a loop
-bridges, joining, joined_route  loops joined into one closed stroke a region
+cell_loops, joined_route  two beads a wall: every cell a loop, and one closed stroke a region
 solid       areas covered with parallel beads
 plan        which strokes a layer has, in which order
 travel      ways inside the part

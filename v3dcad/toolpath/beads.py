@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.section_area import section_area
+from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.model import (
+    BRIDGE,
     CELLS,
     EXTRUDE,
     FEATURES,
@@ -28,14 +28,17 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
-from v3dcad.toolpath.joining import Bridged
+from v3dcad.toolpath.first_layer import cuts
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
+from v3dcad.toolpath.seam import Seams
+from v3dcad.toolpath.skins import shells
 from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.travel import Traveller
 
-OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID)
+OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
 """Features of which a part is made; a skirt and a brim are none."""
 
 APPROACH = 5.0
@@ -49,32 +52,38 @@ def trace(
 ) -> Iterator[Toolpath]:
     """One toolpath a layer: every cell edge and perimeter extruded once.
 
-    A layer is printed at its section's height plus the first layer's height, in the layers'
-    own coordinates; its beads fill the height to the layer below. `report` is told of each
-    layer as soon as it is traced. Layers are held only as long as it takes to know whether
-    they are among the top ones. Raises `GeometryError` where layers do not ascend, and at the end
-    where nothing but a skirt was printed.
+    The first layer with something to print lies on the bed, as high as the first layer's beads;
+    the others as far above it as their sections are, each filling the height to the one below.
+    Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
+    Layers are held only as long as it takes to know whether they are among the top ones. Raises
+    `GeometryError` where layers do not ascend, and at the end where nothing of the part was
+    printed.
     """
-    nozzle, bridged = Nozzle(settings), Bridged()
-    printed = False
-    for layer, solid in _solid_marked(layers, settings):
-        area = section_area(layer.section)
+    nozzle, bridged, seams = Nozzle(settings), Bridged(), Seams(settings.seam)
+    below: Below | None = None
+    traced = made = False
+    for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
         first = nozzle.level == 0
-        nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
-        plan = Plan(layer, area, settings, solid, first, nozzle.spacing, bridged)
+        if printed:
+            nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
+        seams.rise()
+        plan = Plan(layer, area, skin, settings, first, nozzle.spacing, bridged, seams, below)
         before, strokes = nozzle.position, 0
-        for stroke in plan.strokes(before[:2]):
+        for stroke in plan.strokes(before[:2]) if printed else ():
             nozzle.print(stroke)
             strokes += 1
+        if printed:
+            below = Below(area, plan.foam, layer.diagram, settings.wall_width())
         toolpath = nozzle.taken(layer.index)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
-        printed |= bool(np.isin(toolpath.feature, OF_THE_PART).any())
+        traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
-            report(layer_report(toolpath, before, strokes, plan, seconds))
+            level = nozzle.level if printed else 0.0
+            report(layer_report(toolpath, before, strokes, plan, seconds, level))
         yield toolpath
-    if nozzle.level > 0 and not printed:
+    if traced and not made:
         raise GeometryError(
             f"nothing of the part is printed: all of it is narrower than beads of "
             f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
@@ -111,7 +120,8 @@ class Nozzle:
         self.settings = settings
         self.position = np.zeros(3)
         self.level = 0.0
-        self._area = 0.0
+        self._above = 0.0
+        self._areas = np.zeros(FEATURES)
         self.spacing = 0.0
         self._speed = np.zeros(0)
         self._traveller: Traveller
@@ -121,7 +131,9 @@ class Nozzle:
     def rise(self, layer: Layer, traveller: Traveller) -> None:
         """Go on to a layer: its level, its ways, the area of its beads and their speed."""
         settings, below = self.settings, self.level
-        self.level = layer.z + settings.first_layer_height
+        if below == 0:
+            self._above = settings.first_layer_height - layer.z
+        self.level = layer.z + self._above
         if self.level <= below:
             raise GeometryError(
                 f"its section at {layer.z:g} mm is not above the one below; "
@@ -132,9 +144,10 @@ class Nozzle:
         area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
         # Beads so far apart fill the layer between them.
         self.spacing = area / (self.level - below)
-        self._area = area * flow / 100
+        self._areas = np.full(FEATURES, area * flow / 100)
+        self._areas[BRIDGE] = area * settings.bridge_flow / 100
         self._speed = np.minimum(
-            _speeds(settings, first=not below), settings.most_flow / self._area
+            _speeds(settings, first=not below), settings.most_flow / self._areas
         )
         self._traveller = traveller
 
@@ -147,7 +160,7 @@ class Nozzle:
             Steps(
                 np.column_stack([ends, np.full(len(ends), self.level)]),
                 np.where(extruding, EXTRUDE, TRAVEL).astype(np.int8),
-                stroke.laid * self._area,
+                stroke.laid * self._areas[stroke.feature],
                 np.where(extruding, self._speed[stroke.feature], self.settings.travel_speed),
                 stroke.feature,
                 stroke.centre,
@@ -196,6 +209,7 @@ def _speeds(settings: PrintSettings, *, first: bool) -> Floats:
         return np.full(FEATURES, settings.first_layer_speed)
     speeds = np.full(FEATURES, settings.print_speed)
     speeds[PERIMETER], speeds[SOLID] = settings.perimeter_speed, settings.solid_speed
+    speeds[BRIDGE] = settings.bridge_speed
     return speeds
 
 
@@ -209,15 +223,3 @@ def _moves(points: Sequence[tuple[float, ...]], kind: int, speed: float) -> Step
         np.full(count, NO_FEATURE, dtype=np.int8),
         np.full((count, 2), np.nan),
     )
-
-
-def _solid_marked(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[tuple[Layer, bool]]:
-    """Each layer, and whether it is one of the solid ones at the bottom or top."""
-    waiting: deque[tuple[int, Layer]] = deque()
-    for number, layer in enumerate(layers):
-        waiting.append((number, layer))
-        if len(waiting) > settings.top_layers:
-            place, ready = waiting.popleft()
-            yield ready, place < settings.bottom_layers
-    for _, layer in waiting:
-        yield layer, True

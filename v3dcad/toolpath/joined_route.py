@@ -9,11 +9,13 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry import arcs
+from v3dcad.geometry.loops.joining import Bridged, joined
+from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
-from v3dcad.toolpath.cell_loops import Loops, cell_loops
+from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.graph import PathGraph
-from v3dcad.toolpath.joining import Bridged, joined
 from v3dcad.toolpath.perimeters import inset, rings
+from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.stroke import Stroke
 
 STEP_IN = 1.5
@@ -33,28 +35,31 @@ class Closed(NamedTuple):
 def joined_strokes(
     layer: Layer,
     area: shapely.Geometry,
+    foam: shapely.Geometry,
     depths: list[float],
     spacing: float,
     shortest: float,
     outer: PathGraph,
     bridged: Bridged,
+    seams: Seams,
     here: Floats,
 ) -> Iterator[Stroke]:
     """Strokes of a layer, from near `here` (2,): each outer perimeter with what lies next to it.
 
     `outer` is the perimeter at depths[0]; the further ones are joined with the loops of the
-    cells, beads `spacing` apart (mm). An outer perimeter starts at its seam, its rearmost corner,
-    so that seams lie above each other; from there the nozzle steps into the nearest curve.
+    cells in the `foam`, beads `spacing` apart (mm). An outer perimeter starts at its seam; from
+    there the nozzle steps into the nearest curve.
     """
-    within = inset(area, depths[-1] + spacing / 2)
-    lines, owners = cell_loops(layer, within, spacing)
+    lines: list[Floats] = []
+    owners: list[int] = []
     for number, depth in enumerate(depths[1:], 1):
         # Neighbours face each other in opposite directions; cells' loops run counter-clockwise.
         against = (len(depths) - number) % 2 == 1
         for ring in rings(inset(area, depth)):
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
-    curves = joined(Loops.of(lines, owners, shortest), spacing, bridged, shortest)
+    loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
+    curves = joined(loops.thinned(shortest), spacing, bridged, shortest)
     left = [
         Closed(
             curves.points[start:stop],
@@ -63,18 +68,18 @@ def joined_strokes(
         )
         for start, stop in zip(curves.first[:-1], curves.first[1:], strict=True)
     ]
-    yield from _in_order(_from_seams(outer), left, spacing, here)
+    yield from _in_order(_from_seams(outer, seams), left, spacing, here)
 
 
-def _from_seams(outer: PathGraph) -> list[Closed]:
-    """The loops of a graph made of loops, each from its rearmost corner on."""
+def _from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
+    """The loops of a graph made of loops, each from its seam on."""
     begins = np.nonzero(outer.edges[:, 1] < outer.edges[:, 0])[0] + 1
     found = []
     for edges in np.split(np.arange(len(outer.edges)), begins[:-1]):
         if not len(edges):
             continue
         points = outer.vertices[outer.edges[edges, 0]]
-        seam = int(np.lexsort((points[:, 0], np.rint(points[:, 1] * 1e6)))[-1])
+        seam = seams.corner(points)
         turned = np.roll(edges, -seam)
         found.append(
             Closed(

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from v3dcad.model import PERIMETER, Floats, Section
+from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.graph import PathGraph
 
 MITRE_LIMIT = 3.0
@@ -20,6 +21,16 @@ def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
     if distance == 0:
         return area
     return area.buffer(-distance, join_style="mitre", mitre_limit=MITRE_LIMIT)
+
+
+def opened(area: shapely.Geometry, radius: float) -> shapely.Geometry:
+    """An area without its parts narrower than twice a radius (mm)."""
+    return inset(inset(area, radius), -radius)
+
+
+def outermost_depth(settings: PrintSettings) -> float:
+    """How deep inside the contour the outermost perimeter's centre line runs, mm."""
+    return settings.bead_width / 2 if settings.contour == "inset" else 0.0
 
 
 def loops(area: shapely.Geometry) -> list[Floats]:

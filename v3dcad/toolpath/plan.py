@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
+from v3dcad.geometry.loops.joining import Bridged
 from v3dcad.model import (
+    BRIDGE,
     BRIM,
     PERIMETER,
     RETRACED,
@@ -19,6 +21,8 @@ from v3dcad.model import (
     Layer,
 )
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bridging import Below, bridges
+from v3dcad.toolpath.first_layer import brim_width
 from v3dcad.toolpath.graph import (
     PathGraph,
     diagram_graph,
@@ -27,9 +31,10 @@ from v3dcad.toolpath.graph import (
     with_short_edges_joined,
 )
 from v3dcad.toolpath.joined_route import joined_strokes
-from v3dcad.toolpath.joining import Bridged
-from v3dcad.toolpath.perimeters import inset, loops, with_arcs
+from v3dcad.toolpath.perimeters import inset, loops, outermost_depth, with_arcs
 from v3dcad.toolpath.route import Walk, minimum_join, walks
+from v3dcad.toolpath.seam import Seams
+from v3dcad.toolpath.skins import NOTHING, parted
 from v3dcad.toolpath.solid import hatch
 from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.trim import trimmed
@@ -44,12 +49,18 @@ class Plan:
 
     layer: Layer
     area: shapely.Geometry
+    skin: shapely.Geometry
+    """what of the area must be solid"""
     settings: PrintSettings
-    solid: bool
     first: bool
     spacing: float
     """mm between two beads side by side"""
     bridged: Bridged
+    seams: Seams
+    below: Below | None
+    """the layer below; None on the bed"""
+    foam: shapely.Geometry = NOTHING
+    """where there are cells"""
     joined: int = 0
     least_retraced: float = 0.0
     narrow_area: float = 0.0
@@ -64,37 +75,61 @@ class Plan:
             yield from self._around()
         depths = perimeter_depths(self.settings, self.spacing)
         self.narrow_area = narrow_area(self.area, depths[0])
-        if self.settings.route == "joined" and not self.solid:
+        inner = inset(self.area, depths[-1] + self.spacing / 2)
+        self.foam, skin = parted(inner, self.skin, self.spacing)
+        if self.settings.route == "joined":
             yield from self._in_closed_strokes(depths)
-            return
-        outer = [self._perimeter(depth) for depth in depths[:-1]]
-        innermost = inset(self.area, depths[-1])
+        else:
+            yield from self._in_walks(depths, whole=skin.is_empty)
+        yield from self._solid(skin)
+
+    def _in_walks(self, depths: list[float], *, whole: bool) -> Iterator[Stroke]:
+        """Perimeters and cells of one bead; where foam is not the `whole` inside, with a rim."""
+        outer = [self._perimeter(depth) for depth in depths[: -1 if whole else None]]
+        innermost = inset(self.area, depths[-1]) if whole else inset(self.foam, self.spacing / 2)
         graph, self.joined = with_short_edges_joined(
             self._arced(self._cells_within(innermost, depths[-1]), depths[-1]),
             self.settings.minimum_edge,
         )
         perimeter = graph.feature == PERIMETER
         order = [*outer, graph]
-        if self.solid or self.settings.perimeter_order == "before":
+        if self.settings.perimeter_order == "before":
             order = [*outer, graph.only(perimeter), graph.only(~perimeter)]
         elif self.settings.perimeter_order == "after":
             order = [graph.only(~perimeter), graph.only(perimeter), *outer[::-1]]
-        for part in order[:-1] if self.solid else order:
+        for part in order:
             yield from self._routed(part)
-        if self.solid:
-            angle = 45.0 if self.layer.index % 2 else -45.0
-            for line in hatch(inset(innermost, self.spacing / 2), self.spacing, angle):
-                yield self._moved_to(_line(line))
+
+    def _solid(self, skin: shapely.Geometry) -> Iterator[Stroke]:
+        """A skin as parallel beads, those over air and cells as bridges; the nearest line next."""
+        if skin.is_empty:
+            return
+        rest, over = (skin, []) if self.below is None else bridges(skin, self.below, self.spacing)
+        angle = 45.0 if self.layer.index % 2 else -45.0
+        parts = [(rest, angle, SOLID), *((area, turned, BRIDGE) for area, turned in over)]
+        lines = [
+            (line, what)
+            for area, turned, what in parts
+            for line in hatch(inset(area, self.spacing / 2), self.spacing, turned, area)
+        ]
+        while lines:
+            ends = np.array([[line[0], line[-1]] for line, _ in lines])
+            apart = np.hypot(*np.moveaxis(ends - self.here, -1, 0))
+            nearest, end = np.unravel_index(int(np.argmin(apart)), apart.shape)
+            line, what = lines.pop(int(nearest))
+            yield self._moved_to(_line(line[::-1] if end else line, what))
 
     def _in_closed_strokes(self, depths: list[float]) -> Iterator[Stroke]:
         for stroke in joined_strokes(
             self.layer,
             self.area,
+            self.foam,
             depths,
             self.spacing,
             self.settings.minimum_edge,
             self._perimeter(depths[0]),
             self.bridged,
+            self.seams,
             self.here,
         ):
             yield self._moved_to(stroke)
@@ -106,7 +141,7 @@ class Plan:
             [shapely.Polygon(part.exterior) for part in shapely.get_parts(self.area)]
         )
         edge = 0.0 if settings.contour == "inset" else width / 2
-        brim = math.ceil(settings.brim_width / width)
+        brim = math.ceil(brim_width(self.area, settings) / width)
         skirt = edge + brim * width + settings.skirt_distance
         for number in reversed(range(settings.skirt_loops)):
             yield from self._outside(outline, skirt + (number + 0.5) * width, SKIRT)
@@ -146,8 +181,7 @@ class Plan:
 
 def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
-    outermost = settings.bead_width / 2 if settings.contour == "inset" else 0.0
-    return [outermost + number * spacing for number in range(settings.perimeters)]
+    return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
 
 
 def narrow_area(area: shapely.Geometry, depth: float) -> float:
@@ -165,11 +199,11 @@ def _stroke(graph: PathGraph, walk: Walk, laid: Floats) -> Stroke:
     )
 
 
-def _line(points: Floats) -> Stroke:
+def _line(points: Floats, feature: int) -> Stroke:
     steps = np.diff(points, axis=0)
     return Stroke(
         points,
-        np.full(len(steps), SOLID, dtype=np.int8),
+        np.full(len(steps), feature, dtype=np.int8),
         np.hypot(*steps.T),
         np.full(steps.shape, np.nan),
     )

@@ -10,6 +10,7 @@ import numpy as np
 from v3dcad.geometry import arcs
 from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.first_layer import stand_width, stands_badly
 from v3dcad.toolpath.plan import Plan
 
 MOST_NAMED = 5
@@ -36,6 +37,12 @@ class LayerReport:
     """sites whose cells a bead fills: it is wider than twice their gap"""
     narrow_area: float
     """mm² of the section too narrow for a perimeter"""
+    level: float
+    """mm above the bed; 0 where nothing is printed yet, since the first sections have no room"""
+    area: float
+    """mm² of the section"""
+    stand_width: float
+    """mm: the least width of what lies on the bed; 0 on other layers"""
     seconds: float
     """how long it takes"""
     hurried: bool
@@ -43,9 +50,12 @@ class LayerReport:
 
 
 def layer_report(
-    toolpath: Toolpath, before: Floats, strokes: int, plan: Plan, seconds: float
+    toolpath: Toolpath, before: Floats, strokes: int, plan: Plan, seconds: float, level: float
 ) -> LayerReport:
-    """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to."""
+    """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to.
+
+    Its beads end at `level`, mm above the bed; 0 below the first layer.
+    """
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
@@ -60,7 +70,10 @@ def layer_report(
         least_retraced=plan.least_retraced,
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
-        narrow_area=plan.narrow_area,
+        narrow_area=plan.narrow_area if level else float(plan.area.area),
+        level=level,
+        area=float(plan.area.area),
+        stand_width=stand_width(plan.area) if plan.first and level else 0.0,
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
     )
@@ -88,15 +101,25 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
     narrow: dict[int, list[int]] = {}
     unreached, unreached_on, joined = 0.0, 0, 0
     hurried: list[LayerReport] = []
+    stand: LayerReport | None = None
+    height = largest = 0.0
     for report in reports:
         for site in report.narrow_cells:
             narrow.setdefault(site, []).append(report.layer)
         unreached += report.narrow_area
         unreached_on += report.narrow_area > 0
         joined += report.joined_edges
+        stand = report if report.stand_width else stand
+        height, largest = max(height, report.level), max(largest, report.area)
         if report.hurried:
             hurried.append(report)
     found = []
+    if stand and stands_badly(stand.area, stand.stand_width, height, largest):
+        found.append(
+            f"the part stands on {stand.area:.3g} mm², {stand.stand_width:.2g} mm wide, and is "
+            f"{height:.3g} mm high: it may come loose. Another side down (--up, --rotate), a "
+            "raft of solid layers under it in the CAD model, or a wider --brim-width helps"
+        )
     if narrow:
         named = ", ".join(
             f"cell {site} (layers {layers[0]} to {layers[-1]})"

@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
-from pymatching import Matching
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.model import Floats, Ints
@@ -78,6 +77,9 @@ def minimum_join(graph: PathGraph) -> Join:
     )
     # Without weights of 0 the join has no circle, on which `_pairs` relies.
     weights = np.maximum(np.rint(lengths / unit), 1)
+    # Imported here: it loads NetworkX and matplotlib, and only this route needs it.
+    from pymatching import Matching
+
     matching = Matching.from_check_matrix(ends, weights=weights, merge_strategy="smallest-weight")
     edges = np.nonzero(matching.decode(odd))[0]
     return Join(edges, float(lengths[edges].sum()))

@@ -1,85 +1,199 @@
-"""A picture of a structure: its layers in perspective, each hiding what lies below it."""
+"""A picture of a filled part in space: the part translucent, its walls, a quarter cut away."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
-from v3dcad.model import Floats, Layer
+from v3dcad.geometry.section_area import section_area
+from v3dcad.model import Floats, Layer, Mesh
+from v3dcad.view.colours import BLUE, GREY, ramp, rgb
+from v3dcad.view.outline import outline
+from v3dcad.view.perspective import ABOVE, ON_TOP, Eye, Strips, contour_strips, wall_strips
+from v3dcad.view.targets.shown import Scale
+from v3dcad.view.targets.whole import edge_tilts, layer_step
 
-BACKGROUND, INSIDE, WALL, CONTOUR = "#ffffff", "#f3f7f8", "#1f6f8b", "#d1495b"
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.patches import Patch
 
-TURN, TILT = np.radians(-30), np.radians(38)
-"""Where the eye is: to the front right of the part, and above it."""
+MOST_STRIPS, MOST_LAYERS = 40_000, 100
+"""About how many strips, and how many layers, are painted: of more, every so many layers."""
 
-DISTANCE = 2.2
-"""From the eye to the part's middle, in sizes of the part."""
+LIGHT = np.array([0.35, -0.45, 0.82])
+"""Where light comes from; a unit vector."""
+
+SHADE, GLOSS = (0.45, 0.7), (0.6, 0.2)
+"""How much of its colour a wall in the shade keeps, and how far towards white the light takes it;
+second: the same where colours mean values, and have to be known again."""
+
+INK = (*rgb(BLUE) * 0.3, 1.0)
+"""The colour of edges where walls are cut, or end."""
+
+SKIN = (*rgb(GREY), 0.08)
+"""The colour of each side of the part, and how opaque it is."""
+
+OUTLINE = (*rgb(GREY) * 0.7, 0.8)
+
+
+class Paint(NamedTuple):
+    """Polygons in the order in which they are painted."""
+
+    corners: Floats
+    """(p, 4, 2) in the picture"""
+    faces: Floats
+    """(p, 4) red, green, blue and opacity"""
+    edges: Floats
+    """(p, 4)"""
+    widths: Floats
+    """(p,) of the edges, points"""
+
+
+class Chosen(NamedTuple):
+    """The layers that are painted, of all."""
+
+    layers: list[Layer]
+    step: int
+    """every how many layers one is painted"""
+    cells: int
+    """how many sites have a cell on any layer, painted or not"""
+    thinned: bool
+    """whether layers are so many that what is left out may be missed"""
+
+
+def choose(layers: Sequence[Layer]) -> Chosen:
+    """The layers to paint. Goes through all layers once."""
+    needed = math.ceil(len(layers) / MOST_LAYERS)
+    step = max(layer_step(layers, MOST_STRIPS), needed)
+    chosen: list[Layer] = []
+    cells: set[int] = set()
+    for place, layer in enumerate(layers):
+        cells.update(layer.diagram.sites().tolist())
+        if place % step == 0:
+            chosen.append(layer)
+    return Chosen(chosen, step, len(cells), step > needed)
 
 
 def draw(
-    layers: Sequence[Layer], target: Path | BinaryIO, shown: int = 120, pixels: int = 1200
-) -> None:
-    """Draw about `shown` of the layers, evenly chosen, as a PNG of pixels × pixels.
+    axes: Axes,
+    layers: Sequence[Layer],
+    part: Mesh,
+    *,
+    from_top: bool = False,
+    whole: bool = False,
+    tilts: bool = False,
+) -> Scale | None:
+    """Paint some layers and the part that they fill, both in bed coordinates.
 
-    From the lowest to the highest each section is painted over those below, its walls in one
-    colour and its contours in another, so that what the eye sees is what a print shows.
+    The quarter of the walls that is nearest to the eye is cut away, unless they are wanted `whole`.
+    With `tilts` each wall has the colour of how far it leans, on the scale that is returned.
     """
-    from matplotlib.collections import LineCollection
-    from matplotlib.figure import Figure
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
+    from matplotlib.collections import LineCollection, PolyCollection
 
-    indices = np.unique(np.linspace(0, len(layers) - 1, min(shown, len(layers))).astype(int))
-    drawn = [layers[int(index)] for index in indices]
-    corners = np.concatenate([_raised(layer, layer.diagram.vertices) for layer in drawn])
-    centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    size = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    figure = Figure(figsize=(pixels / 100, pixels / 100), dpi=100, facecolor=BACKGROUND)
-    axes = figure.add_axes((0.02, 0.02, 0.96, 0.96))
-    for order, layer in enumerate(drawn):
-        diagram = layer.diagram
-        outlines = [
-            Outline(np.vstack([flat, flat[:1]]), closed=True)
-            for flat in (_seen(_raised(layer, ring) - centre, size) for ring in layer.section.rings)
-        ]
-        if not outlines:
-            continue
-        axes.add_patch(
-            PathPatch(
-                Outline.make_compound_path(*outlines), facecolor=INSIDE, linewidth=0, zorder=order
+    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
+    eye = Eye((low + high) / 2, float(np.linalg.norm(high - low)), ON_TOP if from_top else ABOVE)
+    corner = None if whole else eye.middle[:2]
+    leans = [edge_tilts(layer) if tilts else np.zeros(len(layer.diagram.edges)) for layer in layers]
+    scale = Scale("tilt", "°", 0.0, max(map(_greatest, leans), default=0.0)) if tilts else None
+    paints: list[Paint] = []
+    sides = [np.empty((0, 2, 3))]
+    for place, layer in enumerate(layers):
+        above = layers[place + 1] if place + 1 < len(layers) else None
+        rise = max((float(high[2]) if above is None else above.z) - layer.z, 0.0)
+        walls = wall_strips(layer, rise, leans[place], corner)
+        paints.append(_painted(walls, contour_strips(layer, rise), above, eye, scale))
+        sides.append(walls.sides())
+    if layers:
+        axes.add_patch(_floor(layers[0], eye))
+        paint = Paint(*map(np.concatenate, zip(*paints, strict=True)))
+        axes.add_collection(
+            PolyCollection(
+                paint.corners,  # type: ignore[arg-type]
+                facecolors=paint.faces,
+                edgecolors=paint.edges,
+                linewidths=paint.widths,
+                joinstyle="round",
+                rasterized=True,
             )
         )
-        vertices = _seen(_raised(layer, diagram.vertices) - centre, size)
-        inner = diagram.inner()
-        for edges, colour, width in (
-            (diagram.edges[inner], WALL, 1.6),
-            (diagram.edges[~inner], CONTOUR, 0.8),
-        ):
-            axes.add_collection(
-                LineCollection(
-                    list(vertices[edges]), colors=colour, linewidths=width, zorder=order + 0.5
-                )
-            )
+    # The quarter that is cut away is the nearest to the eye: nothing hides what it lays open.
+    for lines, colour, width in (
+        (np.concatenate(sides), INK, 1.4),
+        (outline(part, eye), OUTLINE, 0.8),
+    ):
+        flat, _ = eye.seen(lines)
+        axes.add_collection(
+            LineCollection(list(flat), colors=[colour], linewidths=width, capstyle="round")
+        )
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.set_axis_off()
-    figure.savefig(target, format="png", facecolor=BACKGROUND, metadata={"Software": None})
+    return scale
 
 
-def _raised(layer: Layer, points: Floats) -> Floats:
-    """Points (n, 2) of a layer as (n, 3)."""
-    return np.column_stack([points, np.full(len(points), layer.z)])
+def _greatest(values: Floats) -> float:
+    return float(np.max(values, initial=0.0, where=~np.isnan(values)))
 
 
-def _seen(points: Floats, size: float) -> Floats:
-    """Points (n, 3) around the origin as the eye sees them, (n, 2)."""
-    x, y, z = points.T
-    right = x * np.cos(TURN) - y * np.sin(TURN)
-    away = x * np.sin(TURN) + y * np.cos(TURN)
-    up = z * np.cos(TILT) + away * np.sin(TILT)
-    depth = away * np.cos(TILT) - z * np.sin(TILT)
-    scale = DISTANCE * size / (DISTANCE * size + depth)
-    return np.column_stack([right * scale, up * scale])
+def _painted(
+    walls: Strips, contours: Strips, above: Layer | None, eye: Eye, scale: Scale | None
+) -> Paint:
+    """The strips of one layer, the farthest first, and the upper ends of walls that go no higher.
+
+    `above` is the layer that is painted next.
+    """
+    ends = walls.corners[_end(walls, above)][:, [2, 2, 3, 3]]
+    corners = np.concatenate([walls.corners, ends, contours.corners])
+    counts = [len(ends), len(contours.corners)]
+    colours = _lit(walls, eye, scale)
+    ink, skin = (np.tile(one, (count, 1)) for one, count in zip((INK, SKIN), counts, strict=True))
+    flat, depth = eye.seen(corners)
+    order = np.argsort(-depth.mean(axis=1), kind="stable")
+    return Paint(
+        flat[order],
+        np.concatenate([colours, ink, skin])[order],
+        np.concatenate([colours, ink, 0 * skin])[order],
+        np.repeat([0.7, 1.2, 0.0], [len(colours), *counts])[order],
+    )
+
+
+def _end(walls: Strips, above: Layer | None) -> NDArray[np.bool_]:
+    """(s,) which strips have nothing of the part over them."""
+    if above is None:
+        return np.ones(len(walls.corners), np.bool_)
+    area = section_area(above.section)
+    shapely.prepare(area)
+    x, y = walls.corners[:, :2, :2].mean(axis=1).T
+    return np.asarray(~shapely.contains_xy(area, x, y))
+
+
+def _lit(walls: Strips, eye: Eye, scale: Scale | None) -> Floats:
+    """(s, 4) the colours of walls: the side that the eye sees is the one that has light or not."""
+    first, second, _, over = np.moveaxis(walls.corners, 1, 0)
+    normals = np.cross(second - first, over - first)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    light = np.where(normals @ eye.towards() < 0, -1, 1) * (normals @ LIGHT)
+    plain = rgb(BLUE) if scale is None else ramp(scale.shares(walls.values))
+    share = np.clip((light + 0.4) / 1.4, 0, 1)[:, None]
+    means = int(scale is not None)
+    dark, bright = SHADE[means] * plain, plain + GLOSS[means] * (1 - plain)
+    lit = dark + share * (bright - dark)
+    return np.column_stack([lit, np.ones(len(lit))])
+
+
+def _floor(layer: Layer, eye: Eye) -> Patch:
+    """The base of the part."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    rings = [
+        eye.seen(np.column_stack([ring, np.full(len(ring), layer.z)]))[0]
+        for ring in layer.section.rings
+    ]
+    outlines = [Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings]
+    return PathPatch(Path.make_compound_path(*outlines), facecolor=SKIN, linewidth=0)

@@ -75,7 +75,7 @@ class Kept:
             stage("cutting the part", 0, 0)
             return sectioned(part, settings)
 
-        return self._sections.get((source, cut_by, settings.lofts), make)
+        return self._sections.get((source, cut_by, settings.section_above(), settings.lofts), make)
 
 
 def _key(source: str, settings: FillSettings, sites: Floats | None) -> object:

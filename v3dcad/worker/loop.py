@@ -51,7 +51,7 @@ class Answers:
 
 def _words(error: BaseException) -> str:
     if isinstance(error, V3dcadError):
-        return str(error)
+        return error.message
     if isinstance(error, MemoryError):
         return "not enough memory for this: take larger cells, or layers farther apart"
     if isinstance(error, OSError):

@@ -15,14 +15,17 @@ from v3dcad.exports import export, kind_of, print_lines, written_line
 from v3dcad.model import Floats
 from v3dcad.pipeline import Structure
 from v3dcad.recipes import given_sites, known_settings, part_of, read_ont, sites_of
-from v3dcad.report import certificate_line
+from v3dcad.report import certificate_line, graded_line
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 from v3dcad.version import VERSION
-from v3dcad.view.targets import all_lines, preview
+from v3dcad.view.targets.whole import all_edges
 from v3dcad.watched import Watched
 from v3dcad.worker.arrays import Files, read_array
 from v3dcad.worker.declarations import chosen, declarations, own
 from v3dcad.worker.kept import Kept, Stage
+
+ALONE = ("layer", "cell", "neighbours", "neighbour", "tree", "sizes")
+"""Targets for which one layer is enough; the others go through all."""
 
 SHAPES = ("wires", "faces", "cells", "solid", "struts")
 
@@ -55,16 +58,16 @@ class Work:
         """All lines of the structure, its check sum, and its wires where they are few."""
         most = self._needed("shape_up_to", int)
         structure = self._whole()
-        points, pairs, layer = all_lines(structure.layers, structure.placement)
+        edges = all_edges(structure.layers, structure.placement)
         shape = None
-        if len(pairs) <= most:
+        if len(edges.pairs) <= most:
             self._stage("writing wires", 0, 0)
             path = self._files.new(".brep")
             structure.write_brep(path, "wires")
             shape = str(path)
         return {
-            "lines": self._files.lines(points, pairs, layer),
-            "edges": len(pairs),
+            "lines": self._files.lines(edges.points, edges.pairs, edges.layer),
+            "edges": len(edges.pairs),
             "shape": shape,
             "checksum": structure.checksum().sha256,
             "settings": own(structure.settings),
@@ -80,6 +83,7 @@ class Work:
             printing.wall_width(), printing.filament_density
         )
         foam = told.get("foam")
+        sizes = [f"cell sizes: {graded_line(told['graded'])}"] if "graded" in told else []
         return {
             "layers": told["layers"],
             "cells": told["cells"],
@@ -88,30 +92,31 @@ class Work:
             "wall_length": told["wall_length_mm"],
             "certificate": certificate_line(told["overhang"]),
             "mass": weighed.mass,
-            "findings": structure.findings(),
+            "findings": [*structure.findings(), *sizes],
         }
 
     def layer(self) -> dict[str, Any]:
         """A preview of one layer, or of one of the other targets."""
         target = self._needed("target", str)
-        structure = self._whole() if target in ("full", "cut") else self._structure()
+        structure = self._structure() if target in ALONE else self._whole()
         index = self._index(structure)
-        shown = preview(
-            target, structure.layers, structure.placement, index,
-            self._optional("cell", int), self._optional("neighbour", int),
+        shown = structure.preview(
+            target, index, self._optional("cell", int), self._optional("neighbour", int),
+            self._printing(),
         )  # fmt: skip
         labels = zip(shown.labels.sites.tolist(), shown.labels.points.tolist(), strict=True)
+        parts = shown.stepped()
         return {
             "title": shown.title,
-            "legend": shown.legend,
+            "legend": {name: colour for name, colour, _, _ in parts},
             "parts": [
                 {
-                    "name": lines.role,
-                    "colour": lines.colour,
-                    "points": self._files.points(lines.points),
-                    "pairs": self._files.pairs(lines.pairs),
+                    "name": name,
+                    "colour": colour,
+                    "points": self._files.points(points),
+                    "pairs": self._files.pairs(pairs),
                 }
-                for lines in shown.lines
+                for name, colour, points, pairs in parts
             ],
             "labels": [[str(site), *point] for site, point in labels],
             "layer": index,
@@ -204,7 +209,8 @@ class Work:
         height = self._optional("height", float)
         if height is None:
             return self._optional("layer", int) or 0
-        above = height / structure.settings.layer_height
+        settings = structure.settings
+        above = (height - settings.section_above()) / settings.layer_height
         return int(np.clip(round(above), 0, max(len(structure.layers) - 1, 0)))
 
     def _printing(self) -> PrintSettings:

@@ -18,8 +18,8 @@ from .qt import tr
 
 STRIPPED = ("PYTHONHOME", "PYTHONPATH", "LD_LIBRARY_PATH", "QT_PLUGIN_PATH", "PYTHONSTARTUP")
 """What FreeCAD's own Python and libraries need, and another Python must not see."""
-LOAD = 0.5
-ON_DISK = 1.2
+LOAD = 0.3
+ON_DISK = 1.0
 """GB to load and on disk."""
 OLDEST, NEWEST = (3, 11), (3, 14)
 CHECK = "import v3dcad.worker"
@@ -109,7 +109,7 @@ def steps(base: str) -> list[Step]:
         Step(
             tr("Loading and installing v3dcad"),
             own,
-            [*pip, "--constraint", str(PINS), str(source_beside() or "v3dcad")],
+            [*pip, "--constraint", str(PINS), f"{source_beside() or 'v3dcad'}[occt]"],
         ),
         Step(tr("Compiling the engine"), own, ["-m", "v3dcad", "warm-up"]),
     ]

@@ -18,7 +18,7 @@ from typing import Any
 import FreeCAD as App
 import Part
 
-from . import properties
+from . import grading, properties
 from .backend import Answer, Job, WorkerError, worker
 from .places import PREFERENCES
 from .qt import tr
@@ -67,8 +67,12 @@ class VoronoiFill:
             with self.unheard():
                 if f"{name}From" in obj.PropertiesList:
                     setattr(obj, f"{name}From", properties.GIVEN)
+                if way := grading.way_of(name):
+                    obj.CellSizeFrom = way
                 if name == "Method":
                     properties.show_settings(obj, worker.settings)
+                if "CellSizeFrom" in obj.PropertiesList:
+                    grading.show(obj)
                 if getattr(obj, "Made", ""):
                     obj.Status = tr("stale: recompute")
 
@@ -85,6 +89,7 @@ class VoronoiFill:
         """Give the object the settings of this v3dcad that it lacks."""
         with self.unheard():
             properties.add_settings(obj, worker.settings)
+            grading.add(obj)
 
     def _ask(self, obj: Any) -> None:
         if not is_there(obj):
@@ -243,12 +248,16 @@ def request_of(obj: Any) -> tuple[str, dict[str, Any]]:
     """
     source = write_source(obj.Source, obj, worker.folder)
     settings = properties.values_of(obj, worker.settings)
+    if settings.get("cell_size") in properties.WAYS:
+        settings["cell_size"] = grading.expression_of(grading.sizes_of(obj), obj, worker.folder)
     request: dict[str, Any] = {"source": source, "settings": settings}
     sites = ""
     if obj.SitesFile:
         request["sites"] = obj.SitesFile
         sites = str(os.path.getsize(obj.SitesFile))
-    return json.dumps([Path(source).name, settings, sites], sort_keys=True), request
+    made = json.dumps([Path(source).name, settings, sites], sort_keys=True)
+    # Files are named after what they hold; their folder is another one in each session.
+    return made.replace(json.dumps(f"{worker.folder}{os.sep}")[1:-1], ""), request
 
 
 def show_result(obj: Any, answer: Answer) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import FreeCADGui as Gui
 
-from .properties import GIVEN, Declared, help_of, label_of, limits_of
+from .properties import GIVEN, Declared, help_of, label_of, limits_of, words_of
 from .qt import QtWidgets, tr
 
 LONG_TEXT = 60
@@ -40,7 +40,7 @@ class Field:
         if declared["words"]:
             self.words = QtWidgets.QComboBox()
             self.words.setMinimumWidth(70)
-            for word in (*declared["words"], GIVEN):
+            for word in (*words_of(declared), GIVEN):
                 self.words.addItem(tr(word), word)
             self.whole = QtWidgets.QWidget()
             row = QtWidgets.QHBoxLayout(self.whole)
@@ -100,7 +100,7 @@ class Field:
     def set(self, value: Any) -> None:
         """Show a value."""
         if self.words is not None:
-            word = value if value in self.declared["words"] else GIVEN
+            word = value if value in words_of(self.declared) else GIVEN
             self.words.setCurrentIndex(self.words.findData(word))
             self.widget.setEnabled(word == GIVEN)
             if word != GIVEN:

@@ -15,6 +15,8 @@ from .qt import tr
 GROUP = "Voronoi fill"
 RESULT = "Result"
 GIVEN = "given"
+WAYS = ("expression", "faces", "stress")
+"""How a size may differ from place to place, see `grading.py`."""
 LARGEST = 2**31 - 1
 """FreeCAD's integers have 32 bits."""
 
@@ -50,6 +52,11 @@ def from_name(declared: Declared) -> str | None:
     return property_name(declared["name"]) + "From" if declared["words"] else None
 
 
+def words_of(declared: Declared) -> tuple[str, ...]:
+    """What may be said in place of a setting's number."""
+    return (*declared["words"], *(WAYS if declared["fields"] else ()))
+
+
 def of_fill(settings: list[Declared]) -> list[Declared]:
     """The settings of a fill, without those of printing."""
     return [one for one in settings if one["group"] == "fill"]
@@ -66,8 +73,12 @@ def add_settings(obj: Any, settings: list[Declared]) -> None:
         if extra and extra not in obj.PropertiesList:
             text = tr("Where {name} comes from.").format(name=name)
             obj.addProperty("App::PropertyEnumeration", extra, GROUP, text)
-            setattr(obj, extra, [*one["words"], GIVEN])
+            setattr(obj, extra, [*words_of(one), GIVEN])
             setattr(obj, extra, one["default"] if one["default"] in one["words"] else GIVEN)
+        elif extra and obj.getEnumerationsOfProperty(extra) != [*words_of(one), GIVEN]:
+            chosen = getattr(obj, extra)
+            setattr(obj, extra, [*words_of(one), GIVEN])
+            setattr(obj, extra, chosen)
     show_settings(obj, settings)
 
 
@@ -108,8 +119,12 @@ def set_values(obj: Any, values: dict[str, Any], settings: list[Declared]) -> No
         if one["name"] not in values:
             continue
         value, name, extra = values[one["name"]], property_name(one["name"]), from_name(one)
-        if extra and value in one["words"]:
+        if extra and value in words_of(one):
             setattr(obj, extra, value)
+            continue
+        if one["fields"] and isinstance(value, str):
+            setattr(obj, f"{name}Expression", value)
+            setattr(obj, extra, WAYS[0])
             continue
         setattr(obj, name, value)
         if extra:

@@ -13,7 +13,10 @@ from .features import request_of
 from .preview import Preview
 from .qt import QtCore, QtWidgets, number_of, tr
 
-TARGETS = ("full", "layer", "cell", "neighbours", "neighbour", "tree", "cut")
+TARGETS = (
+    "full", "layer", "cell", "neighbours", "neighbour", "tree", "cut", "sizes", "overhang",
+    "toolpath",
+)  # fmt: skip
 
 
 class ShowPanel:

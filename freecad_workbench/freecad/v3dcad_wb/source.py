@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -58,21 +59,33 @@ def write_source(source: Any, target: Any, folder: Path) -> str:
     """
     if why := why_not(source):
         raise WorkerError(why)
-    frame = frame_of(target).inverse() if target is not None else App.Placement()
-    placement = frame.multiply(source.getGlobalPlacement())
+    placement = seen_from(target, source)
     mesh = getattr(source, "Mesh", None)
-    beside = folder / ("writing.stl" if mesh is not None else "writing.brep")
+    if mesh is not None:
+        copy = mesh.copy()
+        copy.Placement = placement
+        return keep(folder, "source.stl", lambda path: copy.write(path, "STL"))
+    shape = Part.getShape(source).copy()
+    shape.Placement = placement
+    return keep(folder, "source.brep", shape.exportBrep)
+
+
+def seen_from(target: Any, obj: Any) -> App.Placement:
+    """Where an object lies in the frame of a target, or in the document's if there is none."""
+    frame = frame_of(target).inverse() if target is not None else App.Placement()
+    return frame.multiply(obj.getGlobalPlacement())
+
+
+def keep(folder: Path, name: str, write: Callable[[str], Any]) -> str:
+    """Write a file for the worker; the path, named after what the file holds.
+
+    Raises `WorkerError` where it cannot be written.
+    """
+    beside = folder / f"writing-{name}"
     try:
-        if mesh is not None:
-            copy = mesh.copy()
-            copy.Placement = placement
-            copy.write(str(beside), "STL")
-        else:
-            shape = Part.getShape(source).copy()
-            shape.Placement = placement
-            shape.exportBrep(str(beside))
+        write(str(beside))
         digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:20]
-        path = folder / f"source-{digest}{beside.suffix}"
+        path = folder / f"{beside.stem.removeprefix('writing-')}-{digest}{beside.suffix}"
         beside.replace(path)
     except (OSError, RuntimeError, Part.OCCError) as error:
         message = tr("the source could not be written ({why}); is the disk full?")

@@ -9,10 +9,11 @@ from typing import Any
 import FreeCAD as App
 import FreeCADGui as Gui
 
-from . import properties
+from . import grading, properties
 from .backend import Answer, WorkerError, worker
 from .features import is_there, make_voronoi_fill, request_of
 from .forms import SettingsForm
+from .grading_form import GradingForm
 from .preview import Preview
 from .qt import QtCore, QtWidgets, number_of, tr
 
@@ -63,18 +64,32 @@ class FillPanel:
         fill = properties.of_fill(worker.settings)
         rank = {name: k for k, name in enumerate(OFTEN)}
         fill.sort(key=lambda one: rank.get(one["name"], len(OFTEN)))
-        self.fields = SettingsForm(fill, self.ask)
+        self.fields = SettingsForm(fill, self._changed)
+        self.sizes = GradingForm(self.obj, self.ask)
         self.place.addWidget(self.fields)
+        self.place.addWidget(self.sizes)
         self.fields.set(properties.values_of(self.obj, worker.settings))
-        self.ask()
+        self._changed()
         return None
+
+    def _changed(self) -> None:
+        self.sizes.show_way(str(self.fields.values().get("cell_size")))
+        self.ask()
 
     def ask(self) -> None:
         """Ask for the layer as the fields would make it; only the newest request is kept."""
         if self.fields is None:
             return
-        wanted = {"settings": self.fields.values(), "layer": self.slider.value()}
+        settings = self.fields.values()
+        if settings.get("cell_size") in properties.WAYS:
+            try:
+                sizes = self.sizes.sizes()
+                settings["cell_size"] = grading.expression_of(sizes, self.obj, worker.folder)
+            except WorkerError as error:
+                return self._refused(error)
+        wanted = {"settings": settings, "layer": self.slider.value()}
         self.preview.ask({**self.request, **wanted, "target": "layer"}, self._shown, self._refused)
+        return None
 
     def _shown(self, answer: Answer) -> None:
         self.layers = answer["layers"]
@@ -107,9 +122,13 @@ class FillPanel:
             return
         document = self.obj.Document
         now, wanted = properties.values_of(self.obj, worker.settings), self.fields.values()
-        if now != wanted or self.obj.Made == "":
+        graded = wanted.get("cell_size") in properties.WAYS
+        sizes = self.sizes.sizes()
+        resized = graded and sizes != grading.sizes_of(self.obj)
+        if now != wanted or resized or self.obj.Made == "":
             document.openTransaction(tr("Edit Voronoi fill"))
             properties.set_values(self.obj, wanted, worker.settings)
+            grading.set_sizes(self.obj, sizes)
             document.commitTransaction()
             document.recompute()
 

@@ -88,5 +88,5 @@ def test_nothing_in_nothing_out() -> None:
 
 @pytest.mark.parametrize("retraction", [-1.0, 51.0, float("nan")])
 def test_retraction_in_range(retraction: float) -> None:
-    with pytest.raises(SettingError, match="--retraction"):
+    with pytest.raises(SettingError, match="retraction"):
         adjusted("G28", retraction)

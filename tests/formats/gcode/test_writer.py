@@ -203,6 +203,21 @@ def test_the_fan_speeds_up_evenly() -> None:
     assert found == [("1", "85"), ("2", "170"), ("3", "255")]
 
 
+def test_the_fan_has_its_own_power_on_bridges_and_only_there() -> None:
+    options = {"open": False, "bottom_layers": 0, "top_layers": 2, "fan": 40.0, "bridge_fan": 100.0}
+    text, _ = written([*stack(6)], fan_from_layer=1, fan_full_layer=1, **options)
+    text = text[text.index(";LAYER:1") :].replace(";BRIDGE\n;TYPE:SKIN", ";TYPE:BRIDGE")
+    power, what, seen = 0, "", set()
+    for line in text.splitlines():
+        if line.startswith("M106"):
+            power = int(line[6:])
+        elif line.startswith(";TYPE:"):
+            what = line[6:]
+        elif re.match(r"G1 X.* E", line):
+            seen.add((what, power))
+    assert seen == {("WALL-OUTER", 102), ("FILL", 102), ("BRIDGE", 255), ("SKIN", 102)}
+
+
 @pytest.mark.parametrize("extrusion", ["absolute", "relative"])
 @pytest.mark.parametrize("bed_origin", ["corner", "centre"])
 def test_the_prime_line_lies_on_the_bed_and_lays_what_it_has_room_for(
@@ -248,7 +263,7 @@ def test_placeholders_are_filled_in() -> None:
 def test_unknown_placeholder_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = wide(end_gcode="M104 S{temperature}")
-    with pytest.raises(SettingError, match=r"--end-gcode: \{temperature\} is not a known"):
+    with pytest.raises(SettingError, match=r"end_gcode: \{temperature\} is not a known"):
         write_gcode(stream, trace(stack(1), options), options)
     assert stream.getvalue() == ""
 
@@ -260,7 +275,7 @@ def test_same_bytes_every_time() -> None:
 def test_bed_too_small_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = wide(bed="220x18")
-    with pytest.raises(SettingError, match=r"--bed 220x18: layer 0 goes to y = .* beyond its edge"):
+    with pytest.raises(SettingError, match=r"bed 220x18: layer 0 goes to y = .* beyond its edge"):
         write_gcode(stream, trace(stack(2), options), options)
     assert stream.getvalue() == ""
 
@@ -268,7 +283,7 @@ def test_bed_too_small_before_a_byte_is_written() -> None:
 def test_too_high_before_a_byte_is_written() -> None:
     stream = io.StringIO()
     options = wide(build_height=0.3)
-    with pytest.raises(SettingError, match=r"--build-height 0\.3: layer 1"):
+    with pytest.raises(SettingError, match=r"build_height 0\.3: layer 1"):
         write_gcode(stream, trace(stack(2), options), options)
     assert stream.getvalue() == ""
 
@@ -342,7 +357,7 @@ def test_speeds_of_zero_are_refused(name: str) -> None:
 
 
 def test_choices_are_checked() -> None:
-    with pytest.raises(SettingError, match="--route spiral: give joined or least-retrace or"):
+    with pytest.raises(SettingError, match="route spiral: give joined or least-retrace or"):
         PrintSettings(route="spiral")
 
 

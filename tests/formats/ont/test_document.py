@@ -202,10 +202,18 @@ def test_a_foam_lists_the_sites_that_were_given_and_no_others() -> None:
 
 
 def test_what_a_foam_s_settings_look_like() -> None:
-    ours = "method = {}\ncell_size = {}\nstretch = {}\nmax_overhang = 45\nrandom_seed = 7\n"
+    ours = "method = {}\ncell_size = {}\nstretch = {}\nheights = middle\nmax_overhang = 45\n"
+    ours += "random_seed = 7\n"
     assert "[SETTINGS]\n" + ours.format("foam", "6.5", "1.25") + "[BOUNDARY]" in UNIFORM
     assert ours.format("foam", "auto", "1.25") in IN_SPACE
     assert ours.format("foam", "auto", "columns") in COLUMNS
+
+
+def test_a_foam_s_file_that_does_not_say_heights_is_older_than_they_are() -> None:
+    assert "heights = middle\n" in UNIFORM
+    old = UNIFORM.replace("heights = middle\n", "")
+    assert read(old).settings.heights == "bottom"
+    assert read(UNIFORM).settings.heights == "middle"
 
 
 def test_of_the_thesis_s_settings_those_that_differ_are_written() -> None:
@@ -315,19 +323,19 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
         (changed(STL, "random_seed", "colour"), r"line 46.*the setting 'colour' is unknown"),
         (changed(STL, "random_seed = 7", "offset = 7"), "the setting 'offset' is unknown"),
         (changed(STL, "random_seed = 7", "random_seed = -7"), "'-7' is not a value"),
-        (changed(STL, "random_seed = 7", f"random_seed = {2**63}"), "--random-seed .* at most"),
+        (changed(STL, "random_seed = 7", f"random_seed = {2**63}"), "random_seed .* at most"),
         (changed(STL, "random_seed = 7", "method = /bin/sh"), "`method` is given twice"),
         (changed(STL, "method = thesis", "method = /bin/sh"), "'/bin/sh' is not a value"),
         (changed(STL, "method = thesis", "method = continuous"), "give foam or thesis"),
-        (changed(UNIFORM, "cell_size = 6.5", "cell_size = 0"), "--cell-size 0.* above 0 mm"),
+        (changed(UNIFORM, "cell_size = 6.5", "cell_size = 0"), "cell_size 0.* above 0 mm"),
         (changed(UNIFORM, "cell_size = 6.5", "cell_size = big"), "give a number or auto"),
-        (changed(UNIFORM, "stretch = 1.25", "stretch = 0.5"), "--stretch 0.5.* at least 1"),
+        (changed(UNIFORM, "stretch = 1.25", "stretch = 0.5"), "stretch 0.5.* at least 1"),
         (
             changed(UNIFORM, "max_overhang = 45", "max_overhang = 85"),
-            "--max-overhang 85.* at most",
+            "max_overhang 85.* at most",
         ),
         (changed(UNIFORM, "method = foam", "method = thesis"), "cell-size is a setting of .* foam"),
-        (changed(UNIFORM, "random_seed", "sites"), "--sites is a setting of --method thesis"),
+        (changed(UNIFORM, "random_seed", "sites"), "sites is a setting of method thesis"),
         (changed(STL, "random_seed = 7", "insertion = yes"), "'yes' is not a value"),
         (changed(STL, "sites = 2", "sites = 10000000"), "10000000.*at most 200000"),
         (changed(STL, "sites = 2", "sites = 100000"), "states 100000 sites, but 2 are listed"),

@@ -106,7 +106,7 @@ def test_holes_are_refused_with_counts_or_patched_and_said():
     keep = ball.vertices[ball.triangles].mean(axis=1)[:, 2] < 0.7
     cup = Mesh(ball.vertices, ball.triangles[keep])
     with pytest.raises(
-        GeometryError, match=r"open: \d+ boundary edges and 0 non-manifold .*--repair"
+        GeometryError, match=r"open: \d+ boundary edges and 0 non-manifold .*repair"
     ):
         checked_mesh(cup)
     mesh, (finding,) = checked_mesh(cup, repair=True)

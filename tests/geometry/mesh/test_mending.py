@@ -83,7 +83,7 @@ def test_repair_ends_in_a_solid_or_in_words(seed: int) -> None:
     try:
         mesh, _ = checked_mesh(Mesh(vertices, triangles), repair=True)
     except GeometryError as error:
-        mesh, said = None, str(error)
+        mesh, said = None, error.message
     if mesh is None:
         assert "--repair" not in said
         assert "repair it" not in said

@@ -149,7 +149,7 @@ def test_steep_fields_are_made_smaller_and_told():
     assert made.made[1] < 1.8 + 0.3 * 6.5
     assert made.finest < 0.4
     assert 0.4 < made.finer < 0.6
-    with pytest.raises(SettingError, match="--strict: the cell size changes too steeply"):
+    with pytest.raises(SettingError, match="strict: the cell size changes too steeply"):
         graded_sites(field, *box, settings_of(strict=True))
 
 
@@ -162,8 +162,8 @@ def test_the_usual_stretch():
 @pytest.mark.parametrize(
     ("chosen", "told"),
     [
-        ({"stretch": "columns"}, "--stretch columns: cells of many sizes need a number, or auto"),
-        ({"stretch": 1.2}, r"--stretch 1\.2: with cells of many sizes, walls .* at least 1\.41"),
+        ({"stretch": "columns"}, "stretch columns: cells of many sizes need a number, or auto"),
+        ({"stretch": 1.2}, r"stretch 1\.2: with cells of many sizes, walls .* at least 1\.41"),
     ],
 )
 def test_a_stretch_that_does_not_do_is_refused(chosen, told):

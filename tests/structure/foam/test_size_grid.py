@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
+from v3dcad.structure.foam.darts import CELLS, CROWDING, STEEPEST, radii_for
 from v3dcad.structure.foam.size_grid import SLOPE, SizeGrid, limit_slope, sampled
 
 
@@ -75,3 +76,22 @@ def test_nearest_of_two_small_sizes_counts():
     )  # fmt: skip
     assert found.made.max() < 1 + SLOPE * np.sqrt(150)
     assert found.made.min() == pytest.approx(1, abs=0.2)
+
+
+@settings(max_examples=20)
+@given(st.floats(0, SLOPE), st.floats(0, 6.28), st.floats(-1.5, 1.5))
+def test_radii_are_larger_by_the_square_of_the_slope(slope, turn, tilt):
+    across = np.array([np.cos(turn) * np.cos(tilt), np.sin(turn) * np.cos(tilt), np.sin(tilt)])
+    nodes = np.stack(np.meshgrid(*[np.arange(9.0)] * 3, indexing="ij"), axis=-1) / 2
+    sizes = 5 + nodes @ across * slope
+    radii = radii_for(grid_of(sizes, 0.5)).sizes
+    np.testing.assert_allclose(radii, np.sqrt(CELLS) * sizes * (1 + CROWDING * slope**2), rtol=1e-9)
+
+
+def test_radii_are_nowhere_steeper_than_darts_reckon_with():
+    x = np.arange(40.0) / 2
+    kinked = np.minimum(1 + SLOPE * np.abs(x - 10), 3)
+    sizes = np.broadcast_to(kinked[:, None, None], (40, 5, 5))
+    radii = radii_for(grid_of(sizes, 0.5)).sizes
+    assert np.abs(np.diff(radii, axis=0)).max() <= STEEPEST * 0.5 * (1 + 1e-5)
+    assert (radii >= sizes).all()

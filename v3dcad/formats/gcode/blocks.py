@@ -13,7 +13,7 @@ from v3dcad.model import Floats
 from v3dcad.settings import PrintSettings, option
 
 FLAVOURS = {"marlin": "Marlin", "reprapfirmware": "RepRap", "klipper": "Klipper"}
-PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(\w+)\}")
+PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(\w+)\}|[{}]")
 THUMBNAIL_LINE = 76
 """Characters of a thumbnail in one line; readers stop at 78."""
 PRIME_MARGIN = 3.0
@@ -79,7 +79,7 @@ def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> st
 
     `{bed_temperature}` is replaced by that setting, and so are `{time_s}`, `{filament_mm}`,
     `{layers}` and `{height}`; `{{` and `}}` by braces. Raises `SettingError` for an unknown
-    placeholder.
+    placeholder, or a brace by itself.
     """
     known = {f.name: getattr(settings, f.name) for f in fields(settings)}
     del known["start_gcode"], known["end_gcode"]
@@ -89,6 +89,12 @@ def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> st
 
     def value(match: re.Match[str]) -> str:
         word = match[1]
+        if match[0] in ("{", "}"):
+            raise SettingError(
+                name,
+                f"{option(name)}: a brace by itself; write {{name}} for the value of a setting, or "
+                f"{2 * match[0]} for the brace itself",
+            )
         if word is None:
             return match[0][0]
         if word not in known:
@@ -102,6 +108,12 @@ def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> st
         return f"{found:g}" if isinstance(found, float) else str(found)
 
     return PLACEHOLDER.sub(value, block)
+
+
+def check_blocks(settings: PrintSettings) -> None:
+    """Raise `SettingError` where a start or end block cannot be filled in."""
+    for name in ("start_gcode", "end_gcode"):
+        filled(getattr(settings, name), name, settings, Totals())
 
 
 def duration_text(seconds: float) -> str:

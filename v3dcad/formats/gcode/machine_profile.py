@@ -6,7 +6,7 @@ import difflib
 import tomllib
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.settings import PrintSettings
@@ -58,19 +58,22 @@ def _checked(key: str, value: Any, path: str) -> Any:
     known = PrintSettings.__dataclass_fields__
     if key not in known:
         near = difflib.get_close_matches(key, known, n=1)
-        hint = f"did you mean {near[0]}?" if near else "see `v3dcad fill --help` for their names"
+        hint = f"did you mean {near[0]}?" if near else "see `v3dcad fill -h` for their names"
         raise FormatError(f"{key} is not a setting; {hint}", path=path)
-    wanted = type(known[key].default)
-    if wanted is float and type(value) is int:
+    hint = get_type_hints(PrintSettings)[key]
+    wanted = get_args(hint) or (hint,)
+    if float in wanted and type(value) is int:
         value = float(value)
-    if type(value) is not wanted:
+    if type(value) not in wanted:
         words = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
-        raise FormatError(f"{key} = {value!r}: give {words[wanted]}", path=path)
+        raise FormatError(
+            f"{key} = {value!r}: give {' or '.join(words[kind] for kind in wanted)}", path=path
+        )
     try:
         alone: dict[str, Any] = {key: value}
         PrintSettings(**alone).bed_size()
     except SettingError as error:
-        raise FormatError(f"{key}: {error}", path=path) from error
+        raise FormatError(f"{key}: {error.message}", path=path) from error
     return value
 
 

@@ -19,9 +19,11 @@ from v3dcad.formats.gcode.lines import rendered
 from v3dcad.formats.gcode.moves import MoveWriter, origin
 from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import (
+    BRIDGE,
     BRIM,
     CELLS,
     EXTRUDE,
+    FEATURES,
     INNER_PERIMETER,
     PERIMETER,
     SKIRT,
@@ -36,6 +38,7 @@ COMMENTS = {
     INNER_PERIMETER: b";TYPE:WALL-INNER\n",
     CELLS: b";TYPE:FILL\n",
     SOLID: b";TYPE:SKIN\n",
+    BRIDGE: b";BRIDGE\n;TYPE:SKIN\n",
     BRIM: b";TYPE:SKIRT\n",
     SKIRT: b";TYPE:SKIRT\n",
 }
@@ -104,8 +107,7 @@ def _write_body(
 ) -> list[tuple[int, float]]:
     """The layers' lines; for each block its size in bytes and when it begins, in seconds."""
     progress: list[tuple[int, float]] = []
-    comments = [COMMENTS.get(feature, b"") for feature in range(max(COMMENTS) + 1)]
-    writer = MoveWriter(settings)
+    writer, blowing = MoveWriter(settings), 0
     before: Floats | None = None
     for toolpath in toolpaths:
         if not len(toolpath.points):
@@ -115,7 +117,9 @@ def _write_body(
         at = totals.time_s + np.cumsum(step_seconds(toolpath, before, settings))
         before = toolpath.points[-1]
         lines, step = writer.lines(toolpath)
-        opening = _opening(toolpath, settings, totals.layers)
+        power = _fan(settings, totals.layers)
+        opening = _opening(toolpath, settings, power, blowing)
+        comments, blowing = _comments(toolpath, settings, power)
         body.write(opening)
         progress.append((len(opening), totals.time_s))
         for start in range(0, len(step), LINES_PER_BLOCK):
@@ -127,14 +131,31 @@ def _write_body(
     return progress
 
 
-def _opening(toolpath: Toolpath, settings: PrintSettings, number: int) -> bytes:
+def _opening(toolpath: Toolpath, settings: PrintSettings, power: int, blowing: int) -> bytes:
     lines = [f";LAYER:{toolpath.layer[0]}"]
     if settings.extrusion == "absolute":
         lines.append("G92 E0")
-    power = _fan(settings, number)
-    if power != _fan(settings, number - 1):
+    if power != blowing:
         lines.append(f"M106 S{power}")
     return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _comments(toolpath: Toolpath, settings: PrintSettings, power: int) -> tuple[list[bytes], int]:
+    """What is written before the lines of each feature, and the fan's power at a layer's end.
+
+    The fan blows with `power`, 0 to 255, but on bridges.
+    """
+    comments = [COMMENTS.get(feature, b"") for feature in range(FEATURES)]
+    extruded = toolpath.feature[toolpath.kind == EXTRUDE]
+    over_air = round(settings.bridge_fan * 2.55)
+    if over_air == power or BRIDGE not in extruded:
+        return comments, power
+    powers = [over_air if feature == BRIDGE else power for feature in range(FEATURES)]
+    told = [
+        comment + f"M106 S{blown}\n".encode("ascii") if comment else comment
+        for comment, blown in zip(comments, powers, strict=True)
+    ]
+    return told, powers[int(extruded[-1])]
 
 
 def _fan(settings: PrintSettings, number: int) -> int:

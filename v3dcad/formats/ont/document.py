@@ -157,7 +157,7 @@ def _setting(body: Body, name: str) -> float:
     try:
         declared(FillSettings, name).checked(name, value)
     except SettingError as error:
-        raise body.error(str(error)) from error
+        raise body.error(error.message) from error
     return value
 
 

@@ -13,8 +13,11 @@ from v3dcad.settings import FillSettings, declared
 IN_OWN_SECTIONS = ("offset", "layer_height")
 """Settings that the thesis gives a section each."""
 
-ALWAYS = ("method", "cell_size", "stretch", "max_overhang", "random_seed")
+ALWAYS = ("method", "cell_size", "stretch", "heights", "max_overhang", "random_seed")
 """Settings that are written even where they are the default."""
+
+UNSAID = {"heights": "bottom"}
+"""What files of a foam mean that do not say: settings that came later than format 2."""
 
 
 def settings_fields(settings: FillSettings) -> dict[str, str]:
@@ -42,8 +45,7 @@ def settings_from(
     chosen: dict[str, Any] = {"layer_height": layer_height}
     method = fields["method"].value if "method" in fields else "thesis"
     chosen["method"] = method
-    if method == "thesis":
-        chosen["offset"] = offset
+    chosen |= {"offset": offset} if method == "thesis" else UNSAID
     for name, field in fields.items():
         if name not in hints or name in IN_OWN_SECTIONS:
             raise field.error(
@@ -58,7 +60,7 @@ def settings_from(
         try:
             FillSettings(**{"method": method, name: chosen[name]})
         except SettingError as error:
-            raise field.error(str(error)) from error
+            raise field.error(error.message) from error
     if sites is not None and method == "thesis" and chosen.setdefault("sites", sites) != sites:
         raise fields["sites"].error(f"states {chosen['sites']} sites, but {sites} are listed")
     return FillSettings(**chosen)

@@ -7,5 +7,5 @@ arrays      the annotations of arrays
 records     records of whole numbers with named fields
 intrinsics  sums in 128 bits, room on the stack
 speed       compiling made quicker
-cache       caches of other sources, deleted
+cache       where compiled code is kept; that of older sources is deleted
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, Self, get_type_hints
 
 import numpy as np
@@ -21,6 +22,7 @@ class Record(Base):
     """
 
     @classmethod
+    @cache
     def layout(cls) -> np.dtype[Any]:
         """The fields as a numpy type."""
         return np.dtype((cls, [(name, np.int64) for name in get_type_hints(cls)]))

@@ -39,11 +39,11 @@ def _frames(ends: Floats) -> Floats:
     return np.stack([first, np.cross(unit, first), along, ends[:, 0]], axis=2)
 
 
-def bead_mesh(layers: Iterable[Layer], width: float, height: float) -> Mesh:
+def bead_mesh(layers: Iterable[Layer], width: float, height: float, base: float = 0.0) -> Mesh:
     """What is printed, as one closed mesh: each layer's lines, `width` wide and `height` high (mm).
 
-    Lines have round ends and corners, true to a hundredth of the width. A layer's bead stands on
-    the layer's height.
+    Lines have round ends and corners, true to a hundredth of the width. A layer's bead stands
+    `base` mm over the layer's height.
     """
     above_zero("width", width)
     above_zero("height", height)
@@ -51,7 +51,7 @@ def bead_mesh(layers: Iterable[Layer], width: float, height: float) -> Mesh:
         [
             CrossSection(_outlines(layer, width), FillRule.EvenOdd)
             .extrude(height)
-            .translate((0, 0, layer.z))
+            .translate((0, 0, layer.z + base))
             for layer in layers
             if len(layer.diagram.edges)
         ]
@@ -70,12 +70,15 @@ def _outlines(layer: Layer, width: float) -> list[Floats]:
     ]
 
 
-def wall_strips(layers: Iterable[Layer], height: float) -> Mesh:
-    """Each edge of each layer as an upright strip of two triangles, without a thickness."""
+def wall_strips(layers: Iterable[Layer], height: float, base: float = 0.0) -> Mesh:
+    """Each edge of each layer as an upright strip of two triangles, without a thickness.
+
+    Strips are `height` high and begin `base` over the layer's height, mm.
+    """
     corners = []
     for layer in layers:
         ends = layer.diagram.vertices[layer.diagram.edges]
-        low = np.dstack([ends, np.full(ends.shape[:2], layer.z)])
+        low = np.dstack([ends, np.full(ends.shape[:2], layer.z + base)])
         high = low + np.array([0.0, 0.0, height])
         a, b, c, d = low[:, 0], low[:, 1], high[:, 1], high[:, 0]
         corners.append(np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3))

@@ -8,7 +8,6 @@ random numbers. The sites so made are explicit ones: whoever has them has the st
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import sqrt
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.model import Floats, Progress, Value, unheard
 from v3dcad.settings import FillSettings
 from v3dcad.structure.foam.choice import settled_stretch
-from v3dcad.structure.foam.darts import EXPECTED, graded_disk, shares_of
+from v3dcad.structure.foam.darts import EXPECTED, graded_disk, radii_for, shares_of
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.random import random_bits
 from v3dcad.structure.foam.relaxing import STAGES, relax_inside
@@ -28,10 +27,6 @@ from v3dcad.structure.foam.uniform import refuse_larger
 
 TAU, LEAST_TAU = 1.67, 1.41
 """The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
-
-CELLS = 1.055
-"""Cells in a square of the radius of a horizontal section: counted at τ = 1.67 in cubes of 16 radii
-(two seeds: 1.050 and 1.055), where τ = 1.41 makes 1 % more."""
 
 PAD = 3.0
 """In radii: how far around the box sites are made."""
@@ -96,10 +91,9 @@ def graded_sites(
     stretch = graded_stretch(settings)
     squeezed = np.array([1, 1, 1 / stretch])
     inside = np.array([low, high]) * squeezed
-    scale = sqrt(CELLS)
     progress("sampling cell sizes", 0, 1)
-    sizes = sampled(lambda places: scale * field(places / squeezed), inside[0], inside[1], PAD)
-    graded = _compared(sizes, scale, stretch)
+    sizes = sampled(lambda places: field(places / squeezed), inside[0], inside[1], PAD)
+    graded = _compared(sizes, stretch)
     refuse_larger(graded.made[0], np.ptp(inside, axis=0))
     if settings.strict and graded.finer > 0:
         raise SettingError(
@@ -109,7 +103,8 @@ def graded_sites(
             f"let it change by at most {SLOPE:g} mm a mm sideways and "
             f"{SLOPE / stretch:.2g} mm a mm upward, or leave --strict out",
         )
-    shares = shares_of(sizes.grid, inside, PAD)
+    grid = radii_for(sizes.grid)
+    shares = shares_of(grid, inside, PAD)
     _refuse_many(EXPECTED * float(shares[-1]))
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
@@ -117,13 +112,13 @@ def graded_sites(
         seed = int(random_bits(state)) >> 1
         progress("scattering cells", 0, 1)
         try:
-            places, radii = graded_disk(sizes.grid, shares, inside, PAD, seed)
+            places, radii = graded_disk(grid, shares, inside, PAD, seed)
             if settings.max_overhang < 90:
                 tau = stretch * float(np.tan(np.radians(settings.max_overhang)))
                 places = _straightened(places, radii, inside, tau, seed, progress)
             _, reach = cell_reaches(places, *inside)
         except GeometryError as error:
-            failure = str(error)
+            failure = error.message
             continue
         sites = places[reach > 0] / squeezed  # those that may have a cell in the box
         progress("certifying walls", 0, 1)
@@ -159,12 +154,10 @@ def _straightened(
     )
 
 
-def _compared(sizes: Sampled, scale: float, stretch: float) -> Graded:
+def _compared(sizes: Sampled, stretch: float) -> Graded:
     """What is asked and what is made, without sites."""
     share = sizes.made / sizes.asked
-    asked, made = (
-        (float(some.min()) / scale, float(some.max()) / scale) for some in (sizes.asked, sizes.made)
-    )
+    asked, made = ((float(some.min()), float(some.max())) for some in (sizes.asked, sizes.made))
     finer = float(np.mean(share < 1 - SAME))
     return Graded(np.empty((0, 3)), stretch, asked, made, float(share.min()), finer)
 

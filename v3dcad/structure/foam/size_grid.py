@@ -21,10 +21,10 @@ from v3dcad.model import Floats
 SLOPE = 0.3
 """The steepest gradient of a size in the stretched space."""
 
-NODES = 400_000
+NODES = 2_000_000
 """About how many nodes a grid has at most."""
 
-FEW = 4_000
+FEW = 30_000
 """With so many it is found out how small and large sizes are."""
 
 FINE = 0.3
@@ -59,7 +59,7 @@ class Sampled(NamedTuple):
 
 
 def sampled(field: Field, low: Floats, high: Floats, pad: float) -> Sampled:
-    """A field over the box low … high (3,) and `pad` of its sizes around it, no steeper than
+    """A field over the box low … high (3,) and `pad` of its sizes around it, nowhere steeper than
     `SLOPE`.
 
     Outside the box a size is that of the nearest place in it, where the field is not asked.

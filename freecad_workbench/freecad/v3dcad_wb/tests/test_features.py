@@ -98,6 +98,92 @@ class Features(unittest.TestCase):
         self.assertEqual(fill.CellSizeFrom, "given")
         self.assertAlmostEqual(fill.CellSizeMade.Value, 5, delta=1.5)
 
+    def test_cells_of_many_sizes_by_an_expression(self) -> None:
+        fill = self.fill(cell_size="ramp(x, 5, 35, 4, 8)")
+        self.assertEqual((fill.Status, fill.CellSizeFrom), (FRESH, "expression"))
+        self.assertIn("Hidden", fill.getEditorMode("NearFaces"))
+        self.box.Shape.exportBrep(str(self.folder / "part.brep"))
+        ont, part = self.folder / "a.ont", str(self.folder / "part.brep")
+        cli("fill", part, "--ont", str(ont), "--layer-height", "1",
+            "--cell-size", "ramp(x, 5, 35, 4, 8)")  # fmt: skip
+        self.assertTrue(fill.Checksum)
+        self.assertIn(fill.Checksum, ont.read_text(encoding="utf-8"))
+        fill.CellSizeExpression = "3 + q"
+        self.doc.recompute()
+        self.assertIn("failed: Cell size '3 + q': 'q' is not known", fill.Status)
+        fill.CellSizeExpression = " "
+        self.doc.recompute()
+        self.assertIn("Write the cell size as an expression", fill.Status)
+        fill.CellSize = 7
+        self.doc.recompute()
+        self.assertEqual((fill.Status, fill.CellSizeFrom), (FRESH, "given"))
+
+    def test_cells_are_fine_near_faces(self) -> None:
+        fill = self.fill()
+        fill.FineSize, fill.CoarseSize = 4, 8
+        self.assertEqual(fill.CellSizeFrom, "given")
+        fill.NearFaces = [(self.box, ("Face1",))]  # x = 5, from y = -3 to 17, from z = 2 to 14
+        self.assertEqual(fill.CellSizeFrom, "faces")
+        self.doc.recompute()
+        self.assertEqual(fill.Status, FRESH)
+        near, far = (
+            sum(lo <= edge.CenterOfMass.x - 5 <= hi for edge in fill.Shape.Edges)
+            for lo, hi in ((1, 7), (23, 29))
+        )
+        self.assertGreater(near, 1.4 * far)
+        made, count = fill.Made, worker._count
+        worker.close()  # files of another folder are the same files
+        worker.hello(lambda: None, self.fail)
+        fill.touch()
+        self.doc.recompute()
+        self.assertEqual((fill.Made, worker._count), (made, count + 1), "only hello")
+        self.box.Placement.Base.x = 105  # the faces go with it
+        self.doc.recompute()
+        self.assertEqual(fill.Status, FRESH)
+        self.assertEqual(
+            near, sum(1 <= edge.CenterOfMass.x - 105 <= 7 for edge in fill.Shape.Edges)
+        )
+        fill.CoarseFrom = 0
+        self.doc.recompute()
+        self.assertIn("more than 0", fill.Status)
+        fill.NearFaces = []
+        self.doc.recompute()
+        self.assertIn("Select faces in the view", fill.Status)
+
+    def test_cells_are_fine_where_stress_is_high(self) -> None:
+        import Fem
+
+        fill = self.fill()
+        fill.FineSize, fill.CoarseSize = 4, 8
+        fill.CellSizeFrom = "stress"
+        self.doc.recompute()
+        self.assertIn("Choose a result", fill.Status)
+        mesh = self.doc.addObject("Fem::FemMeshObject", "Mesh")
+        nodes = Fem.FemMesh()
+        corners = [(x, y, z) for x in (5, 35) for y in (-3, 17) for z in (2, 14)]
+        for number, corner in enumerate(corners, start=1):
+            nodes.addNode(*(float(value) for value in corner), number)
+        mesh.FemMesh = nodes
+        result = self.doc.addObject("Fem::FemResultObject", "Result")
+        result.Mesh = mesh
+        fill.StressResult = result
+        self.doc.recompute()
+        self.assertIn("Result has no von Mises stress", fill.Status)
+        result.addProperty("App::PropertyIntegerList", "NodeNumbers")
+        result.addProperty("App::PropertyFloatList", "vonMises")
+        result.NodeNumbers = list(range(1, 9))
+        result.vonMises = [10.0 if corner[0] == 5 else 0.0 for corner in corners]
+        self.doc.recompute()
+        self.assertEqual(fill.Status, FRESH)
+        near, far = (
+            sum(lo <= edge.CenterOfMass.x - 5 <= hi for edge in fill.Shape.Edges)
+            for lo, hi in ((1, 7), (23, 29))
+        )
+        self.assertGreater(near, 1.4 * far)
+        fill.LowStress = 20
+        self.doc.recompute()
+        self.assertIn("above the low one", fill.Status)
+
     def test_nothing_is_computed_twice(self) -> None:
         fill = self.fill()
         count = worker._count

@@ -235,6 +235,49 @@ def check_live_preview() -> None:
     assert fill.Status == FRESH
 
 
+def check_cells_of_many_sizes() -> None:
+    """The panel of a fill of its own: an expression, then faces that are chosen in the view."""
+    document = new_document("Sizes")
+    part = cone(document)
+    select(part)
+    press("V3dcad_Fill")
+    until(idle)
+    fill, said = fill_of(document), panel_widget("said", QtWidgets.QLabel)
+    words = panel_widget("cell_size").findChild(QtWidgets.QComboBox)
+    words.setCurrentIndex(words.findData("expression"))
+    assert "Write the cell size" in said.text(), said.text()
+    panel_widget("CellSizeExpression", QtWidgets.QLineEdit).setText("3 + q")
+    until(idle)
+    assert "'q' is not known" in said.text(), said.text()
+    panel_widget("CellSizeExpression", QtWidgets.QLineEdit).setText("6 + 0.1 * z")
+    until(idle)
+    assert "layer" in said.text().lower(), said.text()
+    press_button("Apply")
+    until(idle)
+    assert (fill.Status, fill.CellSizeFrom) == (FRESH, "expression"), fill.Status
+    by_expression = fill.Checksum
+    words.setCurrentIndex(words.findData("faces"))
+    assert "Select faces" in said.text(), said.text()
+    Gui.Selection.clearSelection()
+    Gui.Selection.addSelection(document.Name, part.Name, "Face1")
+    pump(0.2)
+    panel_widget("NearFaces", QtWidgets.QPushButton).click()
+    until(idle)
+    panel_widget("FineSize", Number).setValue(5)
+    panel_widget("CoarseFrom", Number).setValue(12)
+    until(idle)
+    assert panel_widget("NearFaces", QtWidgets.QPushButton).text() == f"{part.Label} Face1"
+    shot("sizes")
+    press_button("OK")
+    until(idle)
+    assert (fill.Status, fill.CellSizeFrom) == (FRESH, "faces"), fill.Status
+    assert fill.NearFaces == [(part, ("Face1",))]
+    assert fill.Checksum != by_expression
+    App.closeDocument(document.Name)
+    App.setActiveDocument("Fill")
+    Gui.ActiveDocument = Gui.getDocument("Fill")
+
+
 def check_changed_source_and_undo() -> None:
     document = App.ActiveDocument
     fill, part = fill_of(document), document.Cone
@@ -715,6 +758,7 @@ CHECKS = [
     check_wrong_selections,
     check_fill_by_command,
     check_live_preview,
+    check_cells_of_many_sizes,
     check_changed_source_and_undo,
     check_cancel,
     check_crash,

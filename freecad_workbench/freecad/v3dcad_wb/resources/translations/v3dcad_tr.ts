@@ -312,6 +312,98 @@
       <translation>başarısız: {why}</translation>
     </message>
     <message>
+      <source>Cell size, mm, as an expression of x, y, z.</source>
+      <translation>Hücre boyutu, mm, x, y, z'nin bir ifadesi olarak.</translation>
+    </message>
+    <message>
+      <source>Faces that cells are fine near to.</source>
+      <translation>Yakınında hücrelerin küçük olduğu yüzler.</translation>
+    </message>
+    <message>
+      <source>Distance from these faces where cells are coarse.</source>
+      <translation>Bu yüzlerden, hücrelerin büyük olduğu uzaklık.</translation>
+    </message>
+    <message>
+      <source>Result of the FEM workbench: cells are fine where its von Mises stress is high.</source>
+      <translation>FEM tezgâhının bir sonucu: von Mises gerilmesinin yüksek olduğu yerde hücreler küçüktür.</translation>
+    </message>
+    <message>
+      <source>Stress in MPa where cells are coarse.</source>
+      <translation>Hücrelerin büyük olduğu gerilme, MPa.</translation>
+    </message>
+    <message>
+      <source>Stress in MPa where cells are fine; 0 for the largest.</source>
+      <translation>Hücrelerin küçük olduğu gerilme, MPa; en büyüğü için 0.</translation>
+    </message>
+    <message>
+      <source>Size of fine cells.</source>
+      <translation>Küçük hücrelerin boyutu.</translation>
+    </message>
+    <message>
+      <source>Size of coarse cells.</source>
+      <translation>Büyük hücrelerin boyutu.</translation>
+    </message>
+    <message>
+      <source>Give a high stress that is above the low one.</source>
+      <translation>Düşük gerilmenin üstünde bir yüksek gerilme verin.</translation>
+    </message>
+    <message>
+      <source>Select faces in the view, then press “Take the selected faces”.</source>
+      <translation>Görünümde yüzleri seçin, sonra “Seçili yüzleri al” düğmesine basın.</translation>
+    </message>
+    <message>
+      <source>Choose a result of the FEM workbench.</source>
+      <translation>FEM tezgâhının bir sonucunu seçin.</translation>
+    </message>
+    <message>
+      <source>Write the cell size as an expression, such as 3 + 0.1 * z.</source>
+      <translation>Hücre boyutunu bir ifade olarak yazın, örneğin 3 + 0.1 * z.</translation>
+    </message>
+    <message>
+      <source>Give the distance where cells are coarse, more than 0.</source>
+      <translation>Hücrelerin büyük olduğu uzaklığı verin, 0'dan büyük.</translation>
+    </message>
+    <message>
+      <source>{label} has no von Mises stress.</source>
+      <translation>{label} nesnesinde von Mises gerilmesi yok.</translation>
+    </message>
+    <message>
+      <source>Expression</source>
+      <translation>İfade</translation>
+    </message>
+    <message>
+      <source>Faces</source>
+      <translation>Yüzler</translation>
+    </message>
+    <message>
+      <source>Coarse from</source>
+      <translation>Büyük olduğu uzaklık</translation>
+    </message>
+    <message>
+      <source>FEM result</source>
+      <translation>FEM sonucu</translation>
+    </message>
+    <message>
+      <source>Low stress</source>
+      <translation>Düşük gerilme</translation>
+    </message>
+    <message>
+      <source>High stress</source>
+      <translation>Yüksek gerilme</translation>
+    </message>
+    <message>
+      <source>Fine size</source>
+      <translation>Küçük boyut</translation>
+    </message>
+    <message>
+      <source>Coarse size</source>
+      <translation>Büyük boyut</translation>
+    </message>
+    <message>
+      <source>Take the selected faces</source>
+      <translation>Seçili yüzleri al</translation>
+    </message>
+    <message>
       <source>Fill a part with a Voronoi foam that prints without support</source>
       <translation>Bir parçayı desteksiz basılan Voronoi köpüğüyle doldur</translation>
     </message>
@@ -476,6 +568,14 @@
       <translation>başka bir FreeCAD tarafından başlatıldı</translation>
     </message>
     <message>
+      <source>expression</source>
+      <translation>ifade</translation>
+    </message>
+    <message>
+      <source>stress</source>
+      <translation>gerilme</translation>
+    </message>
+    <message>
       <source>Whether the result belongs to the settings; if not, why.</source>
       <translation>Sonucun ayarlara ait olup olmadığı; değilse nedeni.</translation>
     </message>
@@ -596,6 +696,18 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>kesit</translation>
     </message>
     <message>
+      <source>sizes</source>
+      <translation>boyutlar</translation>
+    </message>
+    <message>
+      <source>overhang</source>
+      <translation>sarkma</translation>
+    </message>
+    <message>
+      <source>toolpath</source>
+      <translation>takım yolu</translation>
+    </message>
+    <message>
       <source>Show</source>
       <translation>Göster</translation>
     </message>
@@ -666,6 +778,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Stretch</source>
       <translation>Uzatma</translation>
+    </message>
+    <message>
+      <source>Heights</source>
+      <translation>Kesit yükseklikleri</translation>
     </message>
     <message>
       <source>Strict</source>
@@ -856,12 +972,20 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Yol</translation>
     </message>
     <message>
+      <source>Seam</source>
+      <translation>Dikiş</translation>
+    </message>
+    <message>
       <source>Bottom layers</source>
       <translation>Alt katmanlar</translation>
     </message>
     <message>
       <source>Top layers</source>
       <translation>Üst katmanlar</translation>
+    </message>
+    <message>
+      <source>Open</source>
+      <translation>Açık</translation>
     </message>
     <message>
       <source>Skirt loops</source>
@@ -890,6 +1014,14 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Solid speed</source>
       <translation>Dolu katman hızı</translation>
+    </message>
+    <message>
+      <source>Bridge speed</source>
+      <translation>Köprü hızı</translation>
+    </message>
+    <message>
+      <source>Bridge flow</source>
+      <translation>Köprü akışı</translation>
     </message>
     <message>
       <source>Travel speed</source>
@@ -958,6 +1090,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Fan</source>
       <translation>Fan</translation>
+    </message>
+    <message>
+      <source>Bridge fan</source>
+      <translation>Köprüde fan</translation>
     </message>
     <message>
       <source>Fan from layer</source>

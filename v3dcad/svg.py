@@ -1,14 +1,16 @@
-"""Layers and sections as SVG: 1 unit is 1 mm, y upwards as on the bed."""
+"""Lines and rings in the plane as SVG: 1 unit is 1 mm, y upwards as on the bed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from v3dcad.model import Floats, Layer, Section
+Floats = NDArray[np.float64]
 
-WALL, CONTOUR = "#1f6f8b", "#d1495b"
+WALL, CONTOUR = "#0072b2", "#d55e00"
 
 MARGIN = 1.0
 """mm around what is drawn"""
@@ -17,21 +19,28 @@ WALL_WIDTH, OUTLINE_WIDTH = 0.2, 0.1
 """mm: how wide a layer's edges and a section's contours are drawn"""
 
 
-def layer_svg(layer: Layer) -> str:
-    """A layer's walls and contours as two paths."""
-    diagram = layer.diagram
-    inner = diagram.inner()
+class Outlined(Protocol):
+    """A horizontal section, as a drawing needs it."""
+
+    @property
+    def z(self) -> float:
+        """Height above the bed, mm."""
+
+    @property
+    def rings(self) -> Sequence[Floats]:
+        """Its contours, each (k, 2) mm, open."""
+
+
+def lines_svg(title: str, lines: Mapping[str, tuple[str, Floats]]) -> str:
+    """Lines (m, 2, 2) as one path for each name, in its colour."""
     paths = [
-        f'<path id="{name}" stroke="{colour}" d="{_segments(diagram.vertices[edges])}"/>'
-        for name, colour, edges in (
-            ("walls", WALL, diagram.edges[inner]),
-            ("contours", CONTOUR, diagram.edges[~inner]),
-        )
+        f'<path id="{name}" stroke="{colour}" d="{_segments(ends)}"/>'
+        for name, (colour, ends) in lines.items()
     ]
     return "\n".join(
         [
-            _head([diagram.vertices]),
-            f"<title>layer {layer.index}, z {layer.z:g} mm</title>",
+            _head(ends.reshape(-1, 2) for _, ends in lines.values()),
+            f"<title>{title}</title>",
             f'<g fill="none" stroke-width="{WALL_WIDTH:g}" stroke-linecap="round">',
             *paths,
             "</g>",
@@ -41,7 +50,7 @@ def layer_svg(layer: Layer) -> str:
     )
 
 
-def sections_svg(sections: Sequence[Section]) -> Iterator[str]:
+def sections_svg(sections: Sequence[Outlined]) -> Iterator[str]:
     """The lines of an SVG of sections (gone through twice), one group with its height for each.
 
     The material is what the even-odd rule fills.

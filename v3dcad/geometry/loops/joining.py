@@ -8,7 +8,7 @@ the spacing, a bridge adds the length that the cuts take away: two pieces of one
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,9 +21,9 @@ from v3dcad.geometry.compiled.arrays import (
     IntArray,
 )
 from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
+from v3dcad.geometry.loops.facing import SLACK, facing
+from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import Floats, Ints, Value
-from v3dcad.toolpath.bridges import LEAST_GAP, SLACK, facing, positions
-from v3dcad.toolpath.cell_loops import GRID, Loops
 
 GOLDEN = (math.sqrt(5) - 1) / 2
 RESTED = 4
@@ -32,6 +32,12 @@ ROOM = 0.5
 """Bead spacings between two cuts of a loop."""
 LONG = 6.0
 """Bead spacings: a stretch longer than this is no better a place than one of this length."""
+LEAST_GAP = 0.6
+"""A bridge is at least so many bead spacings wide."""
+GRID = 1e-6
+"""mm: nothing is shorter."""
+OWNERS = 2**32
+"""More than there are owners."""
 BRIDGE = 2**62
 """The "owner" of a step that crosses from one loop to another."""
 
@@ -48,23 +54,30 @@ class Curves(Value):
     """(p,) the owner of the loop that the step on from a point follows, or `BRIDGE`"""
 
 
-@dataclass(slots=True)
 class Bridged:
     """Which walls were bridged lately, so that bridges do not lie above each other."""
 
-    layer: int = 0
-    last: dict[tuple[int, int], int] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self.layer = 0
+        self._walls = np.empty(0, np.int64)
+        self._last = np.empty(0, np.int64)
 
-    def rest(self, pairs: list[tuple[int, int]]) -> Ints:
-        """(n,) layers since each pair of owners was bridged, at most `RESTED`."""
-        never = self.layer - RESTED
-        return np.array([min(self.layer - self.last.get(p, never), RESTED) for p in pairs], int)
+    def rest(self, walls: Ints) -> Ints:
+        """(n,) layers since each wall was bridged, at most `RESTED`."""
+        if not len(self._walls):
+            return np.full(len(walls), RESTED)
+        place = np.minimum(np.searchsorted(self._walls, walls), len(self._walls) - 1)
+        known = self._walls[place] == walls
+        return np.where(known, self.layer - self._last[place], RESTED)
 
-    def note(self, pairs: list[tuple[int, int]]) -> None:
-        """Remember the pairs bridged on this layer and go on to the next."""
-        self.last.update(dict.fromkeys(pairs, self.layer))
+    def note(self, walls: Ints) -> None:
+        """Remember the walls bridged on this layer and go on to the next."""
         self.layer += 1
-        self.last = {p: at for p, at in self.last.items() if self.layer - at < RESTED}
+        still = (self.layer - self._last < RESTED) & ~np.isin(self._walls, walls)
+        known = np.concatenate([self._walls[still], walls])
+        last = np.concatenate([self._last[still], np.full(len(walls), self.layer - 1)])
+        self._walls, first = np.unique(known, return_index=True)
+        self._last = last[first]
 
 
 def joined(loops: Loops, spacing: float, bridged: Bridged, shortest: float = 0.0) -> Curves:
@@ -76,17 +89,17 @@ def joined(loops: Loops, spacing: float, bridged: Bridged, shortest: float = 0.0
     `shortest` (mm) to a cut are left out.
     """
     found = facing(loops, spacing)
-    at, length = positions(loops)
+    at, length = loops.positions()
     stretch = found.along[:, 1] - found.along[:, 0]
     owners = np.sort(loops.owner[found.loops], axis=1)
-    pairs = list(map(tuple, owners.tolist()))
+    walls = owners[:, 0] * OWNERS + owners[:, 1]
     turn = bridged.layer * GOLDEN % 1.0
     phase = (found.along.mean(axis=1) / length[found.loops[:, 0]] + turn) % 1.0
     order = np.lexsort(
         (
             phase,
             -np.rint(np.minimum(stretch, LONG * spacing) / spacing * 8),
-            -bridged.rest(pairs),
+            -bridged.rest(walls),
             stretch < spacing,
         )
     )
@@ -94,20 +107,20 @@ def joined(loops: Loops, spacing: float, bridged: Bridged, shortest: float = 0.0
     cuts = np.empty((2 * most, 2))
     bridge = np.empty(most, np.int64)
     count = _choose(
-        np.array(loops.points),
-        np.array(loops.first),
+        loops.points,
+        loops.first,
         at,
         length,
         order,
-        np.array(found.loops),
-        np.array(found.along),
-        np.array(found.beyond),
+        found.loops,
+        found.along,
+        found.beyond,
         spacing,
         turn,
         cuts,
         bridge,
     )
-    bridged.note([pairs[k] for k in bridge[:count].tolist()])
+    bridged.note(walls[bridge[:count]])
     on = found.loops[bridge[:count]].ravel()
     return _walked(loops, at, length, on, cuts[: 2 * count], shortest)
 
@@ -125,13 +138,13 @@ def _walked(
     points, owner = np.empty((room, 2)), np.empty(room, np.int64)
     first = np.zeros(len(loops.owner) + 1, np.int64)
     count = _walk(
-        np.array(loops.points),
-        np.array(loops.first),
-        np.array(loops.owner),
+        loops.points,
+        loops.first,
+        loops.owner,
         at,
         length,
-        np.array(on[order]),
-        np.array(cuts[order]),
+        on[order],
+        cuts[order],
         partner,
         cut_first,
         max(shortest, GRID),

@@ -1,0 +1,71 @@
+"""Stretches on which loops face each other, against all pairs of segments."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from v3dcad.geometry.loops.facing import SLACK, facing
+from v3dcad.geometry.loops.loops import Loops
+from v3dcad.geometry.loops.power_cells import PowerCells
+from v3dcad.geometry.loops.region import Region
+from v3dcad.toolpath.perimeters import rings
+
+S = 0.45
+
+
+def loops_of(seed: int, count: int) -> Loops:
+    """Loops of random cells in a square, and the square's perimeter around them."""
+    sites = np.random.default_rng(seed).uniform(0, 12, (count, 2))
+    cells = PowerCells(sites, np.zeros(count), np.full(2, -1.0), np.full(2, 13.0))
+    area = shapely.box(0, 0, 12, 12)
+    found = Region(area, rings(area)).cut(*cells.drawn_in(S / 2), S, 0.01)
+    # Neighbours run in opposite directions.
+    outer = shapely.get_coordinates(shapely.box(-S, -S, 12 + S, 12 + S, ccw=False).exterior)[:-1]
+    return found.and_these(Loops.of([outer], [-1]))
+
+
+def place(loops: Loops, loop: int, along: float) -> shapely.Geometry:
+    ring = loops.ring(loop)
+    line = shapely.LineString(np.vstack([ring, ring[:1]]))
+    return shapely.line_interpolate_point(line, along % line.length)
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.integers(1, 40))
+def test_what_faces_is_one_spacing_away_and_nothing_is_missed(seed: int, count: int) -> None:
+    loops = loops_of(seed, count)
+    found = facing(loops, S)
+    for (one, other), ends, beyond in zip(found.loops, found.along, found.beyond, strict=True):
+        assert one < other
+        middle = ends.mean()
+        apart = place(loops, one, middle).distance(place(loops, other, beyond - middle))
+        assert apart == pytest.approx(S, abs=SLACK * S)
+    # Parallel walls face each other over all that both have in common.
+    shared = np.zeros((len(loops.owner),) * 2)
+    np.add.at(shared, tuple(found.loops.T), np.diff(found.along, axis=1)[:, 0])
+    lines = [shapely.LinearRing(loops.ring(k)) for k in range(len(loops.owner))]
+    for one in range(len(lines)):
+        for other in range(one + 1, len(lines)):
+            strip = lines[other].buffer(1.001 * S, cap_style="flat", join_style="bevel")
+            near = lines[one] & strip
+            assert shared[one, other] <= near.length + 4 * S
+            if shared[one, other] == 0:
+                assert near.length < 4 * S
+
+
+def test_points_nearer_than_the_shortest_go_and_three_stay() -> None:
+    circle = np.exp(2j * np.pi * np.arange(100) / 100)
+    rings_ = [r * np.column_stack([circle.real, circle.imag]) for r in (1.0, 0.01)]
+    loops = Loops.of([*rings_, np.zeros((0, 2))][:2], [5, 7])
+    thin = loops.thinned(0.3)
+    for k in range(1):
+        steps = np.hypot(*(np.roll(thin.ring(k), -1, axis=0) - thin.ring(k)).T)
+        assert steps.min() >= 0.3
+        assert steps.max() < 0.6
+    assert np.array_equal(thin.ring(1), rings_[1])
+    assert thin.owner.tolist() == [5, 7]
+    assert np.array_equal(loops.thinned(0.0).points, loops.points)

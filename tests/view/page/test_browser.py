@@ -1,0 +1,313 @@
+"""The page as a browser shows it: what each control changes, seen in pixels and in the state."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import v3dcad
+from tests.view.page.conftest import HOSTILE
+from tests.view.page.shown import Shown, changed
+from v3dcad.view.targets.declared import TARGETS
+
+pytestmark = pytest.mark.slow
+
+FIRST = {
+    "target": "full", "form": "walls", "layer": 24, "cell": -1, "neighbour": -1, "part": True,
+    "clip": "off", "at": 50, "flip": False, "travels": True, "seams": True, "playing": False,
+    "theme": "light",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Any, page_file: Path) -> Iterator[Shown]:
+    shown = Shown(browser, page_file)
+    yield shown
+    shown.close()
+
+
+@pytest.fixture
+def page(opened: Shown) -> Shown:
+    opened.run("() => v3dcad.stage.home()")
+    opened.set(**FIRST)
+    return opened
+
+
+def test_it_asks_nothing_of_the_network(page: Shown, page_file: Path) -> None:
+    assert {url.split(":")[0] for url in page.requests} <= {"file", "data"}
+    assert [url for url in page.requests if url.startswith("file")] == [page_file.as_uri()]
+
+
+def test_a_hostile_name_is_text(page: Shown) -> None:
+    assert page.tab.title() == HOSTILE
+    assert page.tab.locator("h1").text_content() == HOSTILE
+    assert page.tab.locator("script").count() == 3
+
+
+def test_nothing_from_outside_runs_or_loads(browser: Any, page_file: Path) -> None:
+    shown = Shown(browser, page_file, offline=False)
+    refused = shown.run(
+        """async () => {
+            const refused = [];
+            addEventListener("securitypolicyviolation",
+                event => refused.push(event.effectiveDirective));
+            const add = (tag, values) =>
+                document.body.append(Object.assign(document.createElement(tag), values));
+            add("script", { textContent: "globalThis.ran = true" });
+            add("script", { src: "https://example.org/a.js" });
+            add("img", { src: "https://example.org/a.png" });
+            add("iframe", { src: "https://example.org/" });
+            add("style", { textContent: "body { display: none }" });
+            await fetch("https://example.org/").catch(() => 0);
+            await new Promise(done => setTimeout(done, 200));
+            return { refused, ran: globalThis.ran === true };
+        }"""
+    )
+    directives = {"script-src-elem", "img-src", "frame-src", "style-src-elem", "connect-src"}
+    assert set(refused["refused"]) == directives
+    assert not refused["ran"]
+    shown.complaints.clear()  # of what was refused
+    shown.close()
+
+
+def test_the_slider_takes_layers_away(page: Shown) -> None:
+    whole = page.picture()
+    page.tab.locator("#layer").fill("8")
+    page.settle()
+    assert page.state("layer") == 8
+    assert "Layer 8 of 0 … 24, 16 mm" in page.tab.locator("#layer-text").text_content()
+    assert changed(whole, page.picture()) > 0.05
+
+
+@pytest.mark.parametrize("form", ["layers", "struts"])
+def test_forms_look_different(page: Shown, form: str) -> None:
+    walls = page.picture()
+    page.tab.locator("#form").select_option(form)
+    page.settle()
+    assert page.state("form") == form
+    assert changed(walls, page.picture()) > 0.05
+
+
+def test_every_target_looks_different(page: Shown, structure: v3dcad.Structure) -> None:
+    layer = structure.layers[10]
+    cell = int(layer.diagram.sites()[3])
+    pairs = layer.diagram.neighbours
+    neighbour = int(pairs[(pairs == cell).any(axis=1)][0].sum() - cell)
+    page.set(layer=10, cell=cell, neighbour=neighbour)
+    pictures = {}
+    for target in TARGETS:
+        page.tab.locator("#target").select_option(target)
+        page.set(layer=10)
+        assert page.tab.locator("#shows").text_content() == TARGETS[target].shows
+        pictures[target] = page.picture()
+    for one in TARGETS:
+        for other in TARGETS:
+            assert one >= other or changed(pictures[one], pictures[other]) > 0.001, (one, other)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_the_clipping_plane_cuts(page: Shown, axis: str) -> None:
+    whole = page.picture()
+    page.tab.locator("#clip").select_option(axis)
+    page.settle()
+    cut = page.picture()
+    page.tab.locator("#flip").check()
+    page.settle()
+    assert changed(whole, cut) > 0.02
+    assert changed(cut, page.picture()) > 0.02
+    page.set(flip=False, at=100)
+    assert changed(whole, page.picture()) < 0.001, "at 100 % nothing is taken away"
+
+
+def test_a_click_tells_of_the_cell(page: Shown, structure: v3dcad.Structure) -> None:
+    layer = structure.layers[12]
+    areas = layer.diagram.areas(len(layer.state.sites))
+    cell = int(np.argmax(areas))
+    ring = layer.diagram.cells()[cell][0]
+    page.set(target="layer", layer=12)
+    page.tab.mouse.click(*page.on_screen((*ring.mean(axis=0), layer.z)))
+    page.settle()
+    assert page.state("cell") == cell
+    card = page.tab.locator("#card")
+    told = dict(
+        zip(card.locator("dt").all_text_contents(), card.locator("dd").all_text_contents(),
+            strict=True)
+    )  # fmt: skip
+    number = {name: float(text.split()[0]) for name, text in told.items() if "mm²" in text}
+    assert number["area on this layer"] == pytest.approx(areas[cell], rel=1e-3)
+    volume = sum(one.diagram.areas(len(areas))[cell] for one in structure.layers) * 2.0
+    assert float(told["volume"].split()[0]) == pytest.approx(volume, rel=1e-3)
+    site = [float(word.strip(",")) for word in told["site"].split()[:3]]
+    assert site == pytest.approx(structure.sites[cell], rel=1e-3, abs=1e-3)
+    pairs = layer.diagram.neighbours
+    beside = np.unique(pairs[(pairs == cell).any(axis=1)])
+    shown = card.locator(".neighbours button").all_text_contents()
+    assert [int(text) for text in shown] == beside[beside != cell].tolist()
+    card.locator(".neighbours button").first.click()
+    assert page.state("cell") == beside[beside != cell][0]
+    page.tab.locator("#canvas").click(position={"x": 5, "y": 5})
+    assert page.state("cell") == -1
+    assert card.is_hidden()
+
+
+def test_a_click_on_a_hole_or_a_cut_away_part_goes_through(page: Shown) -> None:
+    """In front of the plane there is nothing to click; what lies behind is met instead."""
+    middle = page.on_screen((0.0, 0.0, 48.0))
+    page.tab.mouse.click(*middle)
+    whole = page.state("cell")
+    page.set(clip="z", at=80)
+    page.tab.mouse.click(*middle)
+    assert page.state("cell") not in (-1, whole)
+
+
+def test_a_cell_that_is_not_there_is_told(page: Shown) -> None:
+    page.tab.locator("#cell").fill("99999")
+    page.tab.locator("#cell").press("Enter")
+    assert page.tab.locator("#message").text_content() == (
+        "There is no cell 99999: click one in the part."
+    )
+    assert page.state("cell") == -1
+
+
+def test_toolpath_and_layers_go_together(page: Shown) -> None:
+    page.set(target="toolpath", layer=24)
+    total = page.state("time")
+    whole = page.picture()
+    page.set(layer=5)
+    assert 0 < page.state("time") < total
+    assert changed(whole, page.picture()) > 0.05
+    page.tab.locator("#time").fill(str(total / 2))
+    page.settle()
+    assert 5 < page.state("layer") < 24
+    with_travel = page.picture()
+    page.tab.locator("#travels").uncheck()
+    page.tab.locator("#seams").uncheck()
+    page.settle()
+    assert changed(with_travel, page.picture()) > 0.0005
+    assert page.tab.locator("#legend li").all_text_contents() == ["bead", "perimeter"]
+
+
+def test_play_goes_up_and_stops(page: Shown) -> None:
+    page.set(layer=23)
+    page.tab.locator("#play").click()
+    page.tab.wait_for_function("() => !v3dcad.state.values.playing", timeout=20_000)
+    assert page.state("layer") == 24
+
+
+def test_keys(page: Shown) -> None:
+    page.tab.locator("#canvas").focus()
+    for key, name, value in [
+        ("ArrowDown", "layer", 23), ("PageDown", "layer", 13), ("Home", "layer", 0),
+        ("ArrowUp", "layer", 1), ("End", "layer", 24), ("p", "part", False), ("c", "clip", "y"),
+        ("c", "clip", "off"),
+    ]:  # fmt: skip
+        page.tab.keyboard.press(key)
+        assert page.state(name) == value, key
+    page.set(cell=100)
+    page.tab.keyboard.press("Escape")
+    assert page.state("cell") == -1
+    before = page.picture()
+    page.tab.keyboard.press("ArrowLeft")
+    page.settle()
+    assert changed(before, page.picture()) > 0.02
+
+
+def test_dark_and_light(page: Shown) -> None:
+    light = page.picture()
+    page.tab.locator("#theme").click()
+    page.settle()
+    dark = page.picture()
+    assert page.state("theme") == "dark"
+    assert light[20, 20].min() > 230
+    assert dark[20, 20].max() < 40
+
+
+def test_few_draw_calls(page: Shown) -> None:
+    for target in TARGETS:
+        page.set(target=target, cell=-1)
+        assert page.calls() <= 9, target
+
+
+def test_memory_stays_flat(page: Shown) -> None:
+    protocol = page.context.new_cdp_session(page.tab)
+    page.set(target="neighbours", cell=100)
+
+    def used() -> tuple[float, dict[str, int]]:
+        protocol.send("HeapProfiler.collectGarbage")
+        heap = protocol.send("Runtime.getHeapUsage")["usedSize"] / 1e6
+        return heap, page.run("() => ({ ...v3dcad.stage.renderer.info.memory })")
+
+    def steps(count: int) -> None:
+        page.run(
+            """count => {
+                for (let k = 0; k < count; k++) {
+                    v3dcad.state.set({ layer: k % 25 });
+                    v3dcad.stage.draw();
+                }
+            }""",
+            count,
+        )
+
+    steps(25)
+    heap, held = used()
+    steps(200)
+    heap_after, held_after = used()
+    assert heap_after < heap + 1
+    assert held_after == held
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_nobody_is_shut_out(browser: Any, page_file: Path, scheme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="needs .[test]").Axe()
+    shown = Shown(browser, page_file, color_scheme=scheme)
+    for values in ({}, {"target": "toolpath"}, {"target": "sizes", "cell": 100, "clip": "x"}):
+        shown.set(**values)
+        for section in shown.tab.locator("#sheet details > summary").all():
+            section.click()
+        found = axe.run(shown.tab).response["violations"]
+        assert not found, json.dumps(found, indent=1)
+    shown.close()
+
+
+def test_on_a_phone(browser: Any, page_file: Path) -> None:
+    size = {"width": 390, "height": 780}
+    shown = Shown(browser, page_file, viewport=size, has_touch=True, is_mobile=True)
+    assert shown.run("() => document.documentElement.scrollWidth") == size["width"]
+    shown.set(target="layer", layer=12)
+    shown.tab.touchscreen.tap(*shown.on_screen((0.0, 0.0, 24.0)))
+    shown.settle()
+    assert shown.state("cell") >= 0
+    assert shown.tab.locator("#card").is_visible()
+    shown.close()
+
+
+def test_a_notebook_shows_it_in_a_frame(browser: Any, structure: v3dcad.Structure) -> None:
+    html = structure._repr_html_()
+    assert len(html) < 4_000_000
+    context = browser.new_context(offline=True)
+    tab = context.new_page()
+    tab.set_content(f"<!doctype html><title>notebook</title>{html}")
+    frame = tab.frame_locator("iframe")
+    frame.locator("#app[data-ready]").wait_for(timeout=60_000)
+    assert frame.locator("h1").text_content() == HOSTILE
+    assert "toolpath" not in frame.locator("#target option").all_text_contents()
+    context.close()
+
+
+def test_huge_structures_are_thinned_and_say_so(
+    browser: Any, structure: v3dcad.Structure, tmp_path: Path
+) -> None:
+    file = tmp_path / "thin.html"
+    edges = sum(len(layer.diagram.edges) for layer in structure.layers)
+    file.write_text(structure.page(most=edges // 3), encoding="utf-8")
+    shown = Shown(browser, file)
+    said = shown.tab.locator("#note").text_content()
+    assert said.startswith("Thinned: 7 of 25 layers are shown, every 4th.")
+    shown.set(layer=6)
+    assert "Layer 24 of 0 … 24" in shown.tab.locator("#layer-text").text_content()
+    shown.close()

@@ -1,0 +1,130 @@
+"""The command that shows a filled part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.outputs import check_outputs
+from v3dcad.commands.part_options import (
+    AsBrep,
+    PartFile,
+    Repair,
+    Rotate,
+    Scale,
+    Unit,
+    Up,
+    part_of,
+)
+from v3dcad.commands.print_options import Profile, print_settings
+from v3dcad.commands.progress import Progress
+from v3dcad.commands.rows import print_rows
+from v3dcad.commands.show_page import page_place, serve_file, show_file
+from v3dcad.errors import SettingError
+from v3dcad.options import given, with_options
+from v3dcad.settings import FillSettings, PrintSettings
+
+if TYPE_CHECKING:
+    from v3dcad.pipeline import Structure
+
+PictureFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture here.")]
+
+
+@with_options(FillSettings, PrintSettings)
+def view(
+    part: PartFile,
+    target: Annotated[
+        str,
+        typer.Option(
+            metavar="full|layer|cell|neighbours|neighbour|tree|cut|sizes|overhang|toolpath",
+            help="What to show.",
+        ),
+    ] = "full",
+    layer: Annotated[
+        int | None, typer.Option(help="The layer, counted from 0. Default: the middle.")
+    ] = None,
+    cell: Annotated[int | None, typer.Option(help="The cell, by its site's number.")] = None,
+    neighbour: Annotated[int | None, typer.Option(help="The cell beside it.")] = None,
+    png: PictureFile = None,
+    svg: PictureFile = None,
+    ids: Annotated[bool, typer.Option("--ids", help="Write each cell's number.")] = False,
+    html: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the page for the browser here.")
+    ] = None,
+    opens: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the page in the browser.")
+    ] = True,
+    serve: Annotated[
+        bool, typer.Option("--serve", help="Follow PART: load the page again when it is written.")
+    ] = False,
+    profile: Profile = None,
+    verify: Annotated[
+        bool, typer.Option(help="Compare what an .ont file makes with its check sum.")
+    ] = True,
+    rotate: Rotate = None,
+    up: Up = None,
+    repair: Repair = False,
+    as_brep: AsBrep = False,
+    unit: Unit = None,
+    scale: Scale = None,
+    **settings: Any,
+) -> None:
+    """Show PART, filled: a page in the browser, or pictures of what a target shows."""
+    from v3dcad.view.targets.declared import TARGETS
+
+    files = {
+        kind: file
+        for kind, file in (("png", png), ("svg", svg), ("html", html))
+        if file is not None
+    }
+    if serve and files:
+        kind = next(iter(files))
+        raise SettingError(kind, f"--serve keeps the page in memory; leave out --{kind}")
+    check_outputs(part, files)
+    if target not in TARGETS:
+        raise SettingError("target", f"--target {target}: give {', '.join(TARGETS)}")
+    chosen = given(FillSettings, settings)
+    printing = print_settings(profile, settings)
+    load_engine()
+    from v3dcad.exports import written_line
+    from v3dcad.files import written_beside
+    from v3dcad.pipeline import fill
+    from v3dcad.view.page.first import First
+
+    def filled(progress: Progress) -> Structure:
+        progress.start("reading and cutting the part")
+        source = part_of(part, rotate, up, repair, as_brep, unit, scale) or part
+        structure = fill(source, verify=verify, progress=progress.step, **chosen)
+        return replace(structure, layers=progress.watch(structure.layers))
+
+    first = First(target, layer, cell, neighbour)
+    if serve:
+
+        def make(number: int) -> str:
+            with Progress() as progress:
+                return filled(progress).page(printing, first, live=number)
+
+        serve_file(part, make, opens)
+        return
+    if not files:
+        files["html"] = page_place(part)
+    with Progress(steps=1 + len(files)) as progress:
+        structure = filled(progress)
+        for kind, file in files.items():
+            progress.start(f"drawing {file}")
+            if kind == "html":
+                structure.write_html(file, printing, first)
+                continue
+            with written_beside(file) as beside:
+                beside.write_bytes(
+                    structure.picture(
+                        target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
+                    )
+                )
+    print_rows([("written", written_line(file)) for file in files.values()], files.values())
+    if "html" in files:
+        show_file(files["html"], opens)

@@ -1,0 +1,9 @@
+"""Closed lines half a bead inside cells, and how they are joined to one.
+
+loops        closed lines in one array; points that are too near to others left out
+power_cells  the convex cells of weighted sites, drawn in
+segment_bins segments in a grid of squares: which are near each other
+region       convex cells cut by an area's contours
+facing       where two loops face each other
+joining      loops cut where they face each other, and joined along a spanning forest
+"""

@@ -1,0 +1,101 @@
+"""Closed lines in one array."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatRows,
+    ConstIntArray,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
+from v3dcad.model import Floats, Ints, Value
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Loops(Value):
+    """Closed lines that do not meet."""
+
+    points: Floats
+    """(p, 2) mm; those of loop k are first[k] … first[k + 1]"""
+    first: Ints
+    """(l + 1,)"""
+    owner: Ints
+    """(l,) whose each loop is"""
+
+    @classmethod
+    def of(cls, lines: list[Floats], owners: list[int]) -> Loops:
+        """Loops by their rings (k, 2)."""
+        return cls(
+            np.concatenate([np.empty((0, 2)), *lines]),
+            np.cumsum([0, *map(len, lines)]),
+            np.array(owners, dtype=np.int64),
+        )
+
+    def ring(self, loop: int) -> Floats:
+        """The points (k, 2) of one loop."""
+        return self.points[self.first[loop] : self.first[loop + 1]]
+
+    def after(self) -> Ints:
+        """(p,) the number of the point after each, around its loop."""
+        after = np.arange(1, len(self.points) + 1)
+        after[self.first[1:] - 1] = self.first[:-1]
+        return after
+
+    def positions(self) -> tuple[Floats, Floats]:
+        """(p,) mm along its loop of each point, and (l,) mm of each loop's length."""
+        if not len(self.points):
+            return np.zeros(0), np.zeros(len(self.owner))
+        steps = np.hypot(*(self.points[self.after()] - self.points).T)
+        passed = np.cumsum(steps) - steps
+        start = self.first[:-1]
+        at = passed - np.repeat(passed[start], np.diff(self.first))
+        return at, np.add.reduceat(steps, start)
+
+    def and_these(self, others: Loops) -> Loops:
+        """These loops and, after them, others."""
+        return Loops(
+            np.concatenate([self.points, others.points]),
+            np.concatenate([self.first, self.first[-1] + others.first[1:]]),
+            np.concatenate([self.owner, others.owner]),
+        )
+
+    def thinned(self, shortest: float) -> Loops:
+        """The loops without points nearer than `shortest` (mm) to the last; three of each stay."""
+        points, first = np.empty_like(self.points), np.empty_like(self.first)
+        _thin(self.points, self.first, shortest, points, first)
+        return Loops(points[: first[-1]], first, self.owner)
+
+
+@compiled(UNCOUNTED)
+def _thin(
+    points: ConstFloatRows, first: ConstIntArray, shortest: float, kept: FloatRows, begins: IntArray
+) -> None:
+    size = 0
+    begins[0] = 0
+    least = shortest * shortest
+    for loop in range(len(first) - 1):
+        start = size
+        for k in range(first[loop], first[loop + 1]):
+            x, y = points[k, 0], points[k, 1]
+            if size > start:
+                dx, dy = x - kept[size - 1, 0], y - kept[size - 1, 1]
+                if dx * dx + dy * dy < least:
+                    continue
+            kept[size, 0], kept[size, 1] = x, y
+            size += 1
+        while size > start + 3:
+            dx, dy = kept[start, 0] - kept[size - 1, 0], kept[start, 1] - kept[size - 1, 1]
+            if dx * dx + dy * dy >= least:
+                break
+            size -= 1
+        if size < start + 3:
+            size = start
+            for k in range(first[loop], first[loop + 1]):
+                kept[size, 0], kept[size, 1] = points[k, 0], points[k, 1]
+                size += 1
+        begins[loop + 1] = size

@@ -1,0 +1,66 @@
+"""What lies on the bed: the first layer with something to print, its brim, and how it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import shapely
+
+from v3dcad.geometry.section_area import section_area
+from v3dcad.model import Floats, Layer
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.perimeters import inset, outermost_depth
+from v3dcad.toolpath.skins import Cut
+
+AUTO_BRIM = 5.0
+"""mm: the brim of a part that stands on little."""
+LITTLE_AREA, LITTLE_WIDTH = 100.0, 10.0
+"""mm² and mm: less than these on the bed is little."""
+TOPPLES = 5.0
+"""A part this many times as high as its stand is wide does not stand safely."""
+OVERHANGS = 0.05
+"""Nor does one that stands on so small a share of its largest section."""
+
+
+def cuts(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[Cut]:
+    """Each layer with its section's area.
+
+    It is printed from the first one on that has room for a bead: a part that stands on a point or a
+    line may begin with sections that have none.
+    """
+    begun = False
+    for layer in layers:
+        area = section_area(layer.section)
+        begun = begun or not inset(area, outermost_depth(settings)).is_empty
+        yield Cut(layer, area, begun)
+
+
+def brim_width(area: shapely.Geometry, settings: PrintSettings) -> float:
+    """Mm of brim around a first layer: what is asked for; "auto" where it stands on little."""
+    if not isinstance(settings.brim_width, str):
+        return settings.brim_width
+    little = area.area < LITTLE_AREA or stand_width(area) < LITTLE_WIDTH
+    return AUTO_BRIM if little else 0.0
+
+
+def stand_width(area: shapely.Geometry) -> float:
+    """The least width of an area's convex hull, mm: across it the part topples most easily.
+
+    The narrowest strip around a convex polygon lies along one of its sides.
+    """
+    hull = shapely.convex_hull(area)
+    if hull.geom_type != "Polygon":
+        return 0.0
+    points = shapely.get_coordinates(hull)
+    sides: Floats = np.diff(points, axis=0)
+    normals = np.column_stack([-sides[:, 1], sides[:, 0]]) / np.hypot(*sides.T)[:, None]
+    return float(np.ptp(points @ normals.T, axis=0).min())
+
+
+def stands_badly(area: float, width: float, height: float, largest: float) -> bool:
+    """Whether a part of a `height` (mm) may come loose or topple.
+
+    It touches the bed with `area` (mm²), `width` wide (mm); its `largest` section is in mm².
+    """
+    return height > TOPPLES * width or area < OVERHANGS * largest

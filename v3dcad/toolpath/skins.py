@@ -1,0 +1,119 @@
+"""Where a layer is solid: under every face that looks up, and over every face that looks down.
+
+A point is in a skin if the part ends within so many layers above it, or below. Sections are
+compared, so it does not matter where on the part that is.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import shapely
+
+from v3dcad.model import Layer
+from v3dcad.toolpath.perimeters import inset, opened
+
+NOTHING = shapely.Polygon()
+
+ANCHOR = 2.0
+"""Bead spacings by which a skin reaches into the foam, to rest on it."""
+LEAST_SKIN = 2.0
+"""Bead spacings: where a skin is narrower, perimeters close the part."""
+LEAST_FOAM = 4.0
+"""Bead spacings: where foam is narrower, a skin beside it goes on."""
+SLIVER = 1e-4
+"""mm: what is thinner, on average, is rounding."""
+
+
+class Cut(NamedTuple):
+    """A layer, the area of its section, and whether that is printed: not so below the first."""
+
+    layer: Layer
+    area: shapely.Geometry
+    printed: bool
+
+
+class Shell(NamedTuple):
+    """A layer and what of its section must be solid."""
+
+    cut: Cut
+    skin: shapely.Geometry
+
+
+class _Bare(NamedTuple):
+    """A layer, and where the part has nothing under it and nothing on it."""
+
+    cut: Cut
+    under: shapely.Geometry
+    on: shapely.Geometry
+
+
+def shells(cuts: Iterable[Cut], bottom: int, top: int) -> Iterator[Shell]:
+    """Each layer with its skin, `bottom` layers thick over faces downward, `top` under upward ones.
+
+    What is not printed counts as air, and so does the bed. A layer is held until `top` more have
+    come.
+    """
+    if not bottom and not top:
+        yield from (Shell(cut, NOTHING) for cut in cuts)
+        return
+    under: deque[shapely.Geometry] = deque(maxlen=bottom)
+    waiting: deque[_Bare] = deque()
+
+    def shell() -> Shell:
+        on = [bare.on for bare in waiting][:top]
+        cut, below, _ = waiting.popleft()
+        under.append(below)
+        bare = [area for area in (*under, *on) if not area.is_empty]
+        return Shell(cut, cut.area & shapely.union_all(bare) if bare else NOTHING)
+
+    for bare in _bare(cuts):
+        waiting.append(bare)
+        if len(waiting) >= max(top, 1):
+            yield shell()
+    while waiting:
+        yield shell()
+
+
+def _bare(cuts: Iterable[Cut]) -> Iterator[_Bare]:
+    """Each layer with what lies bare of it, as soon as the next is known."""
+    before: Cut | None = None
+    under = NOTHING
+    for cut in cuts:
+        here = cut.area if cut.printed else NOTHING
+        below = before.area if before and before.printed else NOTHING
+        if before:
+            yield _Bare(before, under, _minus(below, here))
+        before, under = cut, _minus(here, below)
+    if before:
+        yield _Bare(before, under, before.area if before.printed else NOTHING)
+
+
+def _minus(area: shapely.Geometry, other: shapely.Geometry) -> shapely.Geometry:
+    """One area without another, but for slivers that sections of one upright wall leave.
+
+    That most walls have the very same section again saves time.
+    """
+    if area.equals_exact(other):
+        return NOTHING
+    parts = shapely.get_parts(shapely.difference(area, other))
+    wide = parts[2 * shapely.area(parts) > SLIVER * shapely.length(parts)]
+    return shapely.multipolygons(wide) if len(wide) else NOTHING
+
+
+def parted(
+    inner: shapely.Geometry, skin: shapely.Geometry, spacing: float
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """What of an area inside the perimeters is foam, and what is skin; beads `spacing` mm apart.
+
+    The skin reaches a little into the foam and rests there; strips too narrow go to the other side.
+    """
+    wanted = opened(shapely.intersection(skin, inner), LEAST_SKIN * spacing / 2)
+    if wanted.is_empty:
+        return inner, NOTHING
+    grown = inset(wanted, -ANCHOR * spacing)
+    foam = opened(shapely.difference(inner, grown), LEAST_FOAM * spacing / 2)
+    foam = shapely.intersection(foam, inner)
+    return foam, opened(shapely.difference(inner, foam), spacing / 4)

@@ -1,0 +1,119 @@
+// Canvas, camera and light. A frame is drawn when something changed, and only then.
+
+import * as THREE from "three";
+import { OrbitControls } from "orbit";
+import { shared } from "./strokes.js";
+
+THREE.ColorManagement.enabled = false; // colours are shown as they are written
+
+const FIELD = 32; // degrees of view, from bottom to top
+const FROM = [0.55, -1, 0.62]; // where the eye stands at first: in front, to the right, above
+
+export class Stage {
+  #asked = false;
+  #before = [];
+
+  constructor(canvas, [low, high]) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    this.scene = new THREE.Scene();
+    this.box = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
+    this.middle = this.box.getCenter(new THREE.Vector3());
+    this.radius = this.box.getSize(new THREE.Vector3()).length() / 2;
+    this.camera = new THREE.PerspectiveCamera(FIELD, 1, this.radius / 50, this.radius * 50);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.controls.zoomToCursor = true;
+    this.controls.minDistance = this.radius / 20;
+    this.controls.maxDistance = this.radius * 12;
+    this.controls.addEventListener("change", () => this.ask());
+    new ResizeObserver(() => this.#resize(canvas)).observe(canvas.parentElement);
+    this.#resize(canvas);
+    this.look(FROM);
+  }
+
+  // Look at the whole part from a direction.
+  look(direction) {
+    const narrow = Math.min(this.camera.aspect, 1);
+    const distance = (this.radius * 1.02) / Math.sin((FIELD / 2) * (Math.PI / 180)) / narrow;
+    const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance);
+    this.controls.target.copy(this.middle);
+    this.camera.position.copy(this.middle).add(eye);
+    this.controls.update();
+    this.ask();
+  }
+
+  home() {
+    this.look(FROM);
+  }
+
+  // Turn about the upright axis and tilt, degrees.
+  turn(round, up) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const angles = new THREE.Spherical().setFromVector3(
+      new THREE.Vector3(offset.x, offset.z, -offset.y),
+    );
+    angles.theta += (round * Math.PI) / 180;
+    angles.phi = Math.min(Math.max(angles.phi - (up * Math.PI) / 180, 0.01), Math.PI - 0.01);
+    const turned = new THREE.Vector3().setFromSpherical(angles);
+    this.camera.position.set(turned.x, -turned.z, turned.y).add(this.controls.target);
+    this.controls.update();
+    this.ask();
+  }
+
+  // Come nearer (below 1) or go away.
+  zoom(factor) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    this.camera.position.copy(this.controls.target).addScaledVector(offset, factor);
+    this.controls.update();
+    this.ask();
+  }
+
+  // Have `prepare` called before each frame.
+  before(prepare) {
+    this.#before.push(prepare);
+  }
+
+  // Ask for a frame; many askers get one.
+  ask() {
+    if (this.#asked) return;
+    this.#asked = true;
+    requestAnimationFrame(() => {
+      this.#asked = false;
+      this.controls.update();
+      this.draw();
+    });
+  }
+
+  draw() {
+    const away = this.camera.position.distanceTo(this.middle);
+    shared.depths.value.set(away - this.radius * 0.5, away + this.radius * 1.3);
+    for (const prepare of this.#before) prepare();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  background(colour) {
+    shared.background.value.set(colour);
+    this.renderer.setClearColor(colour);
+    this.ask();
+  }
+
+  // The ray through a point of the canvas, x and y from −1 to 1.
+  ray(x, y) {
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    return caster.ray;
+  }
+
+  #resize(canvas) {
+    const { clientWidth, clientHeight } = canvas.parentElement;
+    const ratio = Math.min(devicePixelRatio, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
+    this.camera.updateProjectionMatrix();
+    shared.pixels.value.set(clientWidth, clientHeight);
+    this.draw();
+  }
+}
