@@ -190,8 +190,9 @@ def _part_of(source: Any, repair: bool, factor: float) -> SolidPart | MeshPart:
         return _mesh_part("mesh", mesh, repair, factor)
     shapes = list(shapes_in(source))
     from v3dcad.kernel.part import solid_part
-    from v3dcad.kernel.shapes import compound
+    from v3dcad.kernel.shapes import compound, own_copy
 
+    shapes = list(map(own_copy, shapes))
     shape = shapes[0] if len(shapes) == 1 else compound(shapes)
     name = str(getattr(source, "label", None) or "part")
     return replace(solid_part(shape, name, name, factor), library=library_of(source))

@@ -185,5 +185,7 @@ def written(shape) -> str:
 def test_the_callers_own_shape_stays_as_it_is(make) -> None:
     shape = make()
     before = written(shape)
-    v3dcad.fill(shape, cell_size=1.0, layer_height=0.5).solid(0.1)
+    structure = v3dcad.fill(shape, cell_size=1.0, layer_height=0.5)
+    structure.faces()  # booleans
+    structure.part.mesh()
     assert written(shape) == before

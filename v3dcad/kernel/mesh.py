@@ -15,7 +15,6 @@ import numpy as np
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepClass import BRepClass_FaceClassifier
 from OCP.BRepLib import BRepLib
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
@@ -40,7 +39,7 @@ from v3dcad.geometry.surface.poles import with_meridians
 from v3dcad.geometry.surface.refinement import refined
 from v3dcad.geometry.surface.surfaces import surface_points
 from v3dcad.kernel.flattening import Flattener
-from v3dcad.kernel.shapes import EDGE, FACE, SOLID, subshapes
+from v3dcad.kernel.shapes import EDGE, FACE, SOLID, own_copy, subshapes
 from v3dcad.model import Floats, Ints, Mesh
 
 DEFLECTION = 0.002
@@ -89,8 +88,7 @@ def triangle_mesh(
 
 
 def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:
-    # The caller's shape keeps its own triangulation.
-    shape = BRepBuilderAPI_Copy(shape, False, False).Shape()
+    shape = own_copy(shape)  # the caller's keeps its own triangulation
     BRepLib.BuildCurves3d_s(shape)
     BRepMesh_IncrementalMesh(shape, sag, False, angle, False)
     collector = _Collector()

@@ -11,7 +11,7 @@ from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy, BRepBuilderAPI_Transform
 from OCP.BRepGProp import BRepGProp
 from OCP.GeomAbs import GeomAbs_Line, GeomAbs_Plane
 from OCP.gp import gp_Trsf
@@ -121,6 +121,14 @@ def quartered(shape: TopoDS_Shape) -> TopoDS_Shape:
     mended = ShapeFix_Shape(divided.Result())  # which OCCT leaves with faces turned inside out
     mended.Perform()
     return mended.Shape()
+
+
+def own_copy(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """A copy of a shape on the same surfaces and curves, so that no flag of the caller's changes.
+
+    Even to be put into a compound changes one: that a shape is free.
+    """
+    return BRepBuilderAPI_Copy(shape, False, False).Shape()
 
 
 def scaled(shape: TopoDS_Shape, factor: float) -> TopoDS_Shape:
