@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from numbers import Real
@@ -48,6 +48,7 @@ from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
+from v3dcad.structure.foam.choice import auto_cell_size
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
 from v3dcad.structure.placement import layer_heights, on_bed
@@ -295,20 +296,44 @@ def fill_sectioned(
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
     graded: Graded | None = None
-    if not isinstance(settings.cell_size, float | int) and settings.cell_size != "auto":
-        from v3dcad.fields.sources import size_field
+    sizes = None if sites is not None else sizes_of(settings, part)
+    if sizes is not None:
         from v3dcad.structure.foam.graded import graded_sites
 
         low, high = part.bounds
-        graded = graded_sites(size_field(settings.cell_size, part), low, high, settings, progress)
+        graded = graded_sites(sizes, low, high, settings, progress)
         sites = graded.sites
-        settings = replace(settings, cell_size="auto", stretch=graded.stretch, strict=False)
+        settings = replace(
+            settings, cell_size="auto", roof_size="off", stretch=graded.stretch, strict=False
+        )
     filling = fill_sections(found.sections, sites, settings, rectangle)
     layers: Sequence[Layer] = filling.layers
     if settings.lofts:
         assert isinstance(filling, ThesisFilling)
         layers = lofted(filling, found.heights)
     return Structure(part, part.placement, filling, layers, sites, graded)
+
+
+def sizes_of(settings: FillSettings, part: Part) -> Callable[[Floats], Floats] | None:
+    """Cell sizes (n,), mm, at places (n, 3), mm, bed coordinates; None where all are the same."""
+    from v3dcad.fields.roofs import SPAN, finer_under
+    from v3dcad.fields.sources import size_field
+
+    size, roof = settings.cell_size, settings.roof_size
+    if size == "auto":
+        size = auto_cell_size(np.ptp(part.bounds, axis=0))
+    if isinstance(size, float | int):
+        if isinstance(roof, str) or SPAN * size <= roof:
+            return None
+        everywhere = float(size)
+        sizes = size_field(lambda x, y, z: everywhere, part)
+    else:
+        sizes = size_field(size, part)
+    if isinstance(roof, str):
+        return sizes
+    from v3dcad.structure.foam.size_grid import SLOPE
+
+    return finer_under(sizes, part.mesh(), roof, SLOPE)
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:

@@ -118,7 +118,7 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
             before["sites"] = len(kept)
         else:
             before["cell_size"] = before["stretch"] = "auto"
-    elif {"random_seed", "cell_size"} & settings.keys():
+    elif {"random_seed", "cell_size", "roof_size"} & settings.keys():
         if kept is not None and method == "foam" and "cell_size" not in settings:
             raise SettingError(
                 "random_seed",
@@ -152,6 +152,11 @@ def check_fits_sites(settings: FillSettings, sites: Floats) -> None:
     if settings.cell_size != "auto":
         raise SettingError(
             "cell_size", f"--cell-size {settings.cell_size}: sites are given, which say where the "
+            "cells are; leave one of the two out",
+        )  # fmt: skip
+    if settings.roof_size != "off":
+        raise SettingError(
+            "roof_size", f"--roof-size {settings.roof_size}: sites are given, which say where the "
             "cells are; leave one of the two out",
         )  # fmt: skip
     if in_plane and not isinstance(settings.stretch, str):

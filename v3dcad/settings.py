@@ -186,6 +186,15 @@ class FillSettings(SectionSettings):
         fields=True,
         method="foam",
     )
+    roof_size: float | str = setting(
+        "off",
+        "Largest span of a skin over cells: under roofs no cell is wider. The .ont file then lists "
+        "all sites.",
+        unit="mm",
+        above=0,
+        words=("off",),
+        method="foam",
+    )
     stretch: float | str = setting(
         "auto",
         "How many times as tall as wide cells are, about; auto takes the least that --max-overhang "

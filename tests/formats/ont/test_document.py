@@ -235,7 +235,8 @@ def test_defaults_of_format_2() -> None:
     assert (usual.chord_tolerance, usual.base_clearance) == (0.005, 0)
     pinned = {"sites", "insertion", "interpolate", "boundary_tolerance", "weight_step"}
     assert usual.strict is False
-    pinned |= {"chord_tolerance", "base_clearance", "strict"}
+    assert usual.roof_size == "off"
+    pinned |= {"chord_tolerance", "base_clearance", "strict", "roof_size"}
     written = {*ont_settings.ALWAYS, *ont_settings.IN_OWN_SECTIONS}
     known = set(FillSettings.__dataclass_fields__)
     assert known == pinned | written, "pin the new setting's default here"

@@ -780,6 +780,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Uzatma</translation>
     </message>
     <message>
+      <source>Roof size</source>
+      <translation>Çatı altı açıklığı</translation>
+    </message>
+    <message>
       <source>Heights</source>
       <translation>Kesit yükseklikleri</translation>
     </message>
