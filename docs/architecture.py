@@ -95,8 +95,8 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "arguments", "exports", "files", "forms", "nearness", "ont", "pages",
-            "parts", "recipes", "report", "signatures", "slicing", "sources", "svg", "version",
+            "pipeline", "exports", "files", "forms", "nearness", "ont", "pages",
+            "parts", "recipes", "report", "signatures", "slicing", "sources", "version",
             "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
@@ -118,7 +118,7 @@ ROOMS = (
     Room("power_diagram/", ("geometry/power_diagram",), 2, 766, 1, 100),
     Room("compiled/", ("geometry/compiled",), 0, 904, 6, 46),
     Room("model.py", ("model", "svg"), 0, 1002, 2, 56),
-    Room("settings.py", ("settings",), 2, 1002, 2, 56),
+    Room("settings.py", ("settings", "arguments"), 2, 1002, 2, 56),
     Room("errors.py", ("errors",), 4, 1002, 2, 56),
 )  # fmt: skip
 
