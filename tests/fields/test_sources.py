@@ -77,8 +77,8 @@ def test_an_expression_is_what_it_says(text: str, expected: list[float]) -> None
         ("image('a.png', view='side')", "top or front"),
         ("table('a\\0b.csv')", "a file, in quotes"),
         ("3 +", "invalid syntax"),
-        ("(" * 900 + "x" + ")" * 900, "cell-size"),
-        ("-" * 3000 + "x", "cell-size"),
+        ("(" * 900 + "x" + ")" * 900, "cell_size"),
+        ("-" * 3000 + "x", "cell_size"),
         ("x" * 5000, "4000"),
     ],
 )
