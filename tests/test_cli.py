@@ -416,7 +416,6 @@ def test_view_draws_pictures(samples: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((), "nothing to draw: give --png FILE or --svg FILE"),
         (("--svg", "a.svg", "--target", "none"), "--target none: give full, layer, cell, "),
         (("--svg", "a.svg", "--target", "layer", "--layer", 99), "the layers are 0 to 4"),
         (("--svg", "a.svg", "--target", "cell"), "no cell is chosen: the cells of layer 2 are "),
@@ -436,6 +435,15 @@ def test_what_cannot_be_drawn_is_told_in_one_line(
         capsys, "view", samples / "pyramid.stl", "--layer-height", 10, "--cell-size", 12, *words
     )
     assert not list(tmp_path.iterdir())
+
+
+def test_a_page_in_a_pipe_is_nothing_else(samples: Path) -> None:
+    how = ("--layer-height", 10, "--cell-size", 12, "--html", "/dev/stdout")
+    done = run("view", samples / "pyramid.stl", *how)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("<!doctype html>")
+    assert done.stdout.endswith("</html>\n")
+    assert "written" in done.stderr
 
 
 def test_view_takes_no_file_of_another_kind(
