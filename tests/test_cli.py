@@ -439,6 +439,15 @@ def test_what_cannot_be_drawn_is_told_in_one_line(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_page_in_a_pipe_is_nothing_else(samples: Path) -> None:
+    how = ("--layer-height", 10, "--cell-size", 12, "--html", "/dev/stdout")
+    done = run("view", samples / "pyramid.stl", *how)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("<!doctype html>")
+    assert done.stdout.endswith("</html>\n")
+    assert "written" in done.stderr
+
+
 def test_view_takes_no_file_of_another_kind(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

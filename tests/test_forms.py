@@ -335,10 +335,16 @@ def test_mistakes_are_named(structure: Structure, tmp_path: Path) -> None:
             wrong()
     with pytest.raises(SettingError, match="solid needs a thickness"):
         structure.write_stl(tmp_path / "a.stl", "solid")
-    with pytest.raises(SettingError, match="wires has no diameter"):
-        structure.write_step(tmp_path / "a.step", "wires", diameter=1)
-    with pytest.raises(SettingError, match="form 'foam'"):
-        structure.write_step(tmp_path / "a.step", "foam")
+    for write in (structure.write_step, structure.write_brep):
+        for form, needed in {"solid": "thickness", "struts": "diameter", "beads": "width"}.items():
+            with pytest.raises(SettingError, match=f"{form} needs a {needed}, mm"):
+                write(tmp_path / "a", form)
+            with pytest.raises(SettingError, match=f"{form} has no size: it takes {needed}, "):
+                write(tmp_path / "a", form, size=1)
+        with pytest.raises(SettingError, match="wires has no diameter: it takes no size"):
+            write(tmp_path / "a", "wires", diameter=1)
+        with pytest.raises(SettingError, match="form 'foam'"):
+            write(tmp_path / "a", "foam")
     with pytest.raises(SettingError, match="form 'foam'"):
         structure.write_stl(tmp_path / "a.stl", "foam")
     with pytest.raises(SettingError, match="AP214 or AP242"):

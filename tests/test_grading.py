@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,8 +69,8 @@ def test_what_is_no_face_is_refused(faces: object, told: str) -> None:
 
 @pytest.mark.parametrize("wrong", ["size", "far", "within"])
 def test_sizes_near_faces_have_to_be_above_0(wrong: str) -> None:
-    sizes = {"size": 2.0, "far": 5.0, "within": 6.0, wrong: 0.0}
-    with pytest.raises(SettingError, match=f"{wrong} is 0.0"):
+    sizes: dict[str, Any] = {"size": 2.0, "far": 5.0, "within": 6.0, wrong: 0.0}
+    with pytest.raises(SettingError, match=f"{wrong} 0.0: give a number above 0 mm"):
         v3dcad.near_faces(PLATE.faces(), **sizes)
 
 
@@ -86,7 +87,9 @@ def test_a_fill_near_faces_lists_its_sites_in_ont(tmp_path: Path) -> None:
     assert told["asked_mm"] == pytest.approx([2, 6], abs=0.1)
     filled.write_ont(tmp_path / "a.ont")
     assert v3dcad.fill(tmp_path / "a.ont").checksum() == filled.checksum()
-    with pytest.raises(SettingError, match="random_seed: the file lists its sites"):
-        v3dcad.fill(tmp_path / "a.ont", random_seed=1)
+    for name in ("random_seed", "roof_size"):
+        with pytest.raises(SettingError, match=f"{name}: the file lists its sites") as raised:
+            v3dcad.fill(tmp_path / "a.ont", **{name: 1})
+        assert raised.value.name == name
     other = v3dcad.fill(tmp_path / "a.ont", random_seed=1, cell_size="3 + 0.1 * (z + 11)")
     assert other.graded is not None

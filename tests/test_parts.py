@@ -305,6 +305,12 @@ def test_a_unit_is_what_coordinates_are_counted_in(unit: str, factor: float) -> 
         )
 
 
+def test_a_recipe_is_no_part(tmp_path: Path) -> None:
+    (tmp_path / "a.ont").write_text("anything", encoding="utf-8")
+    with pytest.raises(v3dcad.FormatError, match=r"a\.ont: holds a filled part"):
+        v3dcad.section(tmp_path / "a.ont")
+
+
 def test_what_states_its_unit_is_only_scaled(samples: Path) -> None:
     once = v3dcad.part_from(samples / "bracket.step")
     twice = v3dcad.part_from(samples / "bracket.step", scale=2)

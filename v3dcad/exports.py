@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from v3dcad.errors import SettingError
 from v3dcad.files import is_stream
-from v3dcad.report import hours_text
 from v3dcad.settings import ExportSettings
 
 if TYPE_CHECKING:
@@ -80,6 +79,8 @@ def written_line(file: Path) -> str:
 
 def print_lines(printed: dict[str, Any]) -> dict[str, str]:
     """What a print takes (see `Structure.report`), as lines to show."""
+    from v3dcad.report import hours_text
+
     return {
         "print time": f"{hours_text(printed['time_s'])}, without heating",
         "filament": f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g",

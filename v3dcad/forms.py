@@ -7,7 +7,7 @@ Shapes are those of the library that the part comes from, build123d or CadQuery,
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -24,11 +24,23 @@ if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
     from v3dcad.kernel.step import Named
 
-FORMS = ("wires", "faces", "cells", "solid", "struts", "beads")
-"""What `write_step` and `write_brep` know."""
+FORMS: Mapping[str, tuple[str, ...]] = {
+    "wires": (),
+    "faces": (),
+    "cells": (),
+    "solid": ("thickness", "skin"),
+    "struts": ("diameter", "cut", "fuse"),
+    "beads": ("width", "profile"),
+}
+"""What `write_step` and `write_brep` know, and what each takes; the first of that it needs."""
 
-MESHES = ("walls", "solid", "struts", "beads")
-"""What `write_stl` knows; all but the zero-thickness walls are closed meshes."""
+MESHES: Mapping[str, tuple[str, ...]] = {
+    "walls": (),
+    "solid": ("thickness",),
+    "struts": ("diameter", "cut"),
+    "beads": ("width",),
+}
+"""What `write_stl` knows, in the same way; all but the zero-thickness walls are closed meshes."""
 
 
 MARGIN = 1.0
@@ -174,6 +186,7 @@ class Forms(Protocol):
         from v3dcad.kernel.step import check_schema, timestamp, write_step
         from v3dcad.kernel.wires import layer_curves
 
+        check_form(form, sizes, FORMS)
         check_schema(schema)
         name = self.part.name
         with written_beside(Path(path)) as beside:
@@ -181,7 +194,6 @@ class Forms(Protocol):
                 shapes = self._named(form, sizes)
                 write_step(shapes, beside, name, schema=schema, surfaces_only=form == "faces")
                 return
-            _only(sizes, form)
             drawings = (
                 layer_curves(self.part.exact(layer), self.placement, _title(layer))
                 for layer in self.layers
@@ -197,9 +209,9 @@ class Forms(Protocol):
         from v3dcad.kernel.shapes import compound
         from v3dcad.kernel.step import write_brep
 
+        check_form(form, sizes, FORMS)
         with written_beside(Path(path)) as beside:
             if form == "wires":
-                _only(sizes, form)
                 shape = bare(self.wires())
             else:
                 shape = compound(shape for _, shape, _ in self._named(form, sizes))
@@ -240,7 +252,8 @@ class Forms(Protocol):
                     raise SettingError("form", "3MF has no walls without thickness; use write_stl")
                 write_mesh(beside, self._mesh(form, sizes), self.part.name)
                 return
-            diameter = _only(sizes, form, "diameter")
+            check_form(form, sizes, {form: ("diameter",)})
+            diameter = sizes["diameter"]
             points, struts = self._axes(diameter)
             mesh = bar_mesh(points, struts, diameter) if fallback else None
             write_beams(beside, points, struts, diameter / 2, self.part.name, mesh)
@@ -255,36 +268,30 @@ class Forms(Protocol):
             beside.write_text(drawn.svg(), encoding="utf-8", newline="\n")
 
     def _named(self, form: str, sizes: dict[str, Any]) -> Iterable[Named]:
-        """A form, but for wires, as named shapes."""
+        """A form, but for wires, as named shapes; `check_form` has passed it."""
         from v3dcad.kernel.step import TEAL, Named
 
         if form == "beads":
             return (Named(title, bead) for title, bead in self._beads(**sizes))
         if form == "cells":
-            _only(sizes, form)
             return (
                 Named(_numbered(site, piece, len(cells)), bare(cell), TEAL)
                 for site, cells in self.cells_by_site().items()
                 for piece, cell in enumerate(cells, start=1)
             )
-        if form not in FORMS:
-            raise SettingError("form", f"form {form!r}: give {', '.join(FORMS)}")
         return [Named(form, bare(getattr(self, form)(**sizes)), TEAL)]
 
     def _mesh(self, form: str, sizes: dict[str, Any]) -> Mesh:
         from v3dcad.geometry.solid.bar_meshes import wall_strips
 
-        if form == "walls":
-            _only(sizes, form)
-            return self._at_source(wall_strips(self.layers, *self.settings.layer_span()))
+        check_form(form, sizes, MESHES)
         if form == "solid":
-            return self.solid_mesh(_only(sizes, form, "thickness"))
+            return self.solid_mesh(**sizes)
         if form == "struts":
-            cut = sizes.pop("cut", False)
-            return self.strut_mesh(_only(sizes, form, "diameter"), cut=cut)
+            return self.strut_mesh(**sizes)
         if form == "beads":
-            return self.bead_mesh(_only(sizes, form, "width"))
-        raise SettingError("form", f"form {form!r}: give {', '.join(MESHES)}")
+            return self.bead_mesh(**sizes)
+        return self._at_source(wall_strips(self.layers, *self.settings.layer_span()))
 
     def _beads(self, width: float, profile: str = "rounded") -> Iterable[tuple[str, Any]]:
         from v3dcad.kernel.beads import layer_beads
@@ -345,22 +352,25 @@ def write_part(part: Part, path: Path) -> None:
         write_brep(shape, beside)
 
 
+def check_form(form: str, sizes: Mapping[str, Any], forms: Mapping[str, tuple[str, ...]]) -> None:
+    """Raise `SettingError` for a form that is none, or for sizes that it does not take, or lacks.
+
+    `forms` are all there are, with what each takes; the first of that it needs.
+    """
+    if form not in forms:
+        raise SettingError("form", f"form {form!r}: give {', '.join(forms)}")
+    takes = forms[form]
+    for name in sizes:
+        if name not in takes:
+            what = ", ".join(takes) or "no size"
+            raise SettingError(name, f"{form} has no {name}: it takes {what}")
+    if takes and takes[0] not in sizes:
+        raise SettingError(takes[0], f"{form} needs a {takes[0]}, mm: give {takes[0]}=…")
+
+
 def _title(layer: Layer) -> str:
     return f"layer {layer.index} z {layer.z:g}"
 
 
 def _numbered(site: int, piece: int, pieces: int) -> str:
     return f"cell {site}" if pieces == 1 else f"cell {site}, piece {piece} of {pieces}"
-
-
-def _only(sizes: dict[str, Any], form: str, wanted: str | None = None) -> Any:
-    """The one size that a form takes; `SettingError` where it is missing or another is given."""
-    for name in sizes:
-        if name != wanted:
-            takes = f"takes {wanted}" if wanted else "takes no size"
-            raise SettingError(name, f"{form} has no {name}: it {takes}")
-    if wanted is None:
-        return None
-    if wanted not in sizes:
-        raise SettingError(wanted, f"{form} needs a {wanted}, mm: give {wanted}=…")
-    return sizes[wanted]

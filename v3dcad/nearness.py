@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from v3dcad.arguments import above_zero
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats
 from v3dcad.settings import Field
@@ -36,13 +37,12 @@ def near_faces(
     """A cell size: `size` at faces, `far` from a distance of `within` on, all mm.
 
     It grows evenly between, or `smooth`ly at both ends. Takes and raises what `distance_to` does,
-    and raises `SettingError` unless all three are above 0.
+    and raises `SettingError` unless all three are numbers above 0.
     """
     from v3dcad.fields import expression
 
     for name, value in (("size", size), ("far", far), ("within", within)):
-        if not value > 0:
-            raise SettingError("cell_size", f"near_faces: {name} is {value}; give more than 0 mm")
+        above_zero(name, value)
     distance = distance_to(faces)
     rise = expression.smooth if smooth else expression.ramp
 

@@ -161,11 +161,11 @@ def _factor(source: Any, unit: str | None, scale: float) -> float:
     if unit is None:
         return factor
     if unit not in UNITS:
-        raise SettingError("unit", f"unit {unit}: give {' or '.join(UNITS)}")
+        raise SettingError("unit", f"--unit {unit}: give {' or '.join(UNITS)}")
     if _states_unit(source):
         kind = Path(source).suffix
         raise SettingError(
-            "unit", f"unit {unit}: a {kind} file states its unit; leave it out, or give a scale"
+            "unit", f"--unit {unit}: a {kind} file states its unit; leave it out, or give a scale"
         )
     return factor * UNITS[unit]
 
@@ -250,6 +250,8 @@ def _part_in(path: Path, repair: bool, factor: float) -> SolidPart | MeshPart:
         from v3dcad.kernel.load import load_brep
 
         return load_brep(path, factor)
+    if ending in ONT:
+        raise FormatError("holds a filled part: fill takes it; give the part alone", path=str(path))
     known = ", ".join((*STEP, *STL, *THREEMF, *OBJ, *BREP, *ONT))
     raise FormatError(f"not a kind of file that can be filled; give {known}", path=str(path))
 

@@ -231,7 +231,7 @@ class Structure(Forms, Views, Pages):
         """Write `report()` as JSON, and give it back."""
         told = self.report(printing, printed)
         with written_beside(Path(path)) as beside:
-            beside.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+            beside.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8", newline="\n")
         return told
 
 

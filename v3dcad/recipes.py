@@ -15,7 +15,7 @@ from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Floats, Mesh, Part, Recipe
 from v3dcad.parts import MeshPart, check_readable
-from v3dcad.settings import FillSettings, declared
+from v3dcad.settings import FillSettings, declared, option
 
 BOUNDARIES = ("stl", "exact")
 """How an `.ont` file may hold the part: as the thesis does, or to the last bit and small."""
@@ -98,7 +98,7 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
 
     Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
     (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites, and for
-    a random seed alone where a foam's sites are listed.
+    a random seed or a roof size without a cell size where a foam's sites are listed.
     """
     kept = sites_of(recipe)
     method = settings.get("method", recipe.settings.method)
@@ -120,9 +120,10 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
             before["cell_size"] = before["stretch"] = "auto"
     elif {"random_seed", "cell_size", "roof_size"} & settings.keys():
         if kept is not None and method == "foam" and "cell_size" not in settings:
+            name = next(name for name in ("random_seed", "roof_size") if name in settings)
             raise SettingError(
-                "random_seed",
-                "--random-seed: the file lists its sites, and not the cell size that made them; "
+                name,
+                f"{option(name)}: the file lists its sites, and not the cell size that made them; "
                 "give --cell-size too, or leave it out",
             )
         kept = None

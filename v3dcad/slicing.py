@@ -118,7 +118,7 @@ def section(
     )
     placed = place_on_bed(part, base_clearance=base_clearance)
     heights = layer_heights(float(placed.bounds[1, 2]), settings.layer_height)
-    return Sections(placed, heights, chord_tolerance, executor)
+    return Sections(placed, heights, settings.chord_tolerance, executor)
 
 
 def write_sections_step(sections: Sequence[Section], path: str | Path, part: Part) -> None:
@@ -139,5 +139,8 @@ def write_sections_svg(sections: Sequence[Section], path: str | Path) -> None:
     """Write sections as SVG, one group each."""
     from v3dcad.svg import sections_svg
 
-    with written_beside(Path(path)) as beside, beside.open("w", newline="\n") as stream:
+    with (
+        written_beside(Path(path)) as beside,
+        beside.open("w", encoding="utf-8", newline="\n") as stream,
+    ):
         stream.writelines(sections_svg(sections))

@@ -16,6 +16,9 @@ from v3dcad.model import Mesh
 LIBRARIES = ("build123d", "cadquery")
 """CAD libraries whose objects hold shapes of OCP, and to which shapes are given back."""
 
+MESH = ("vertices", "faces")
+"""What a mesh of trimesh has; of build123d and CadQuery they are methods."""
+
 
 def mesh_in(source: Any) -> Mesh | None:
     """The triangles of a mesh of trimesh, or of a pair (vertices, triangles); None for shapes.
@@ -26,7 +29,7 @@ def mesh_in(source: Any) -> Mesh | None:
         source = source.to_mesh()
     if isinstance(source, Mesh):
         source = source.vertices, source.triangles
-    elif hasattr(source, "vertices") and not callable(source.vertices):
+    elif all(hasattr(source, name) and not callable(getattr(source, name)) for name in MESH):
         source = source.vertices, source.faces
     if not isinstance(source, tuple) or len(source) != 2 or any(map(_holds_shapes, source)):
         return None

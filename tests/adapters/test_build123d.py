@@ -146,6 +146,7 @@ def test_whatever_holds_a_solid_is_a_part(source) -> None:
         (lambda: Shell(box().faces()[:5]), "only 5 faces that enclose nothing"),
         (lambda: [box(), 3], "int cannot be filled: give a path, a solid, a list of solids"),
         (lambda: Location((1, 2, 3)), "Location cannot be filled"),
+        (lambda: trimesh.PointCloud([(1, 2, 3)]), "PointCloud cannot be filled"),
         (list, "no solid"),
     ],
 )

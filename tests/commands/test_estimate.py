@@ -23,6 +23,7 @@ def test_layers_and_cells_are_those_of_the_box() -> None:
     assert auto is not None
     assert auto.cells == pytest.approx(40)
     assert estimated(BOX, FillSettings(cell_size="4 + x")) is None
+    assert estimated(BOX, FillSettings(roof_size=5.0)) is None
 
 
 @pytest.mark.parametrize("layer_height", [1e-9, 1e-300])

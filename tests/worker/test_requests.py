@@ -15,6 +15,7 @@ import pytest
 from worker.worker_process import ROOT, Worker
 
 import v3dcad
+from v3dcad.forms import write_part
 from v3dcad.kernel.load import load_brep
 from v3dcad.kernel.shapes import EDGE, SOLID, bounds, count
 from v3dcad.parts import part_from
@@ -298,6 +299,16 @@ def test_nothing_kept_is_taken_for_what_differs_in_its_sites_alone(cone: Path) -
         asked = known_settings(settings, sites)
         made = kept.structure(str(cone), asked, sites, lambda *_: None).checksum()
         assert made == v3dcad.fill(cone, sites=sites, **settings).checksum()
+
+
+def test_a_small_part_of_freecad_is_in_no_other_unit(tmp_path: Path) -> None:
+    mesh = (np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]),
+            np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))  # fmt: skip
+    write_part(part_from(mesh), tmp_path / "a.stl")
+    assert "in inches?" in part_from(tmp_path / "a.stl").findings[0]
+    settings = FillSettings(cell_size=1.0)
+    made = Kept().structure(str(tmp_path / "a.stl"), settings, None, lambda *_: None)
+    assert made.findings() == []
 
 
 def test_words_of_libraries_are_notes(worker: Worker, cone: Path) -> None:

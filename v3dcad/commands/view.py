@@ -91,7 +91,7 @@ def view(
     printing = print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import written_line
-    from v3dcad.files import written_beside
+    from v3dcad.files import is_stream, written_beside
     from v3dcad.pipeline import fill
     from v3dcad.view.page.first import First
 
@@ -125,6 +125,12 @@ def view(
                         target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
                     )
                 )
-    print_rows([("written", written_line(file)) for file in files.values()], files.values())
-    if "html" in files:
+    print_rows(
+        [
+            *(("written", written_line(file)) for file in files.values()),
+            *(("note", finding) for finding in structure.findings()),
+        ],
+        files.values(),
+    )
+    if "html" in files and not is_stream(files["html"]):
         show_file(files["html"], opens)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, TypeVar
 
 from v3dcad.model import Floats, Part
-from v3dcad.parts import part_from
+from v3dcad.parts import BREP, STL, part_from
 from v3dcad.pipeline import SectionedPart, Structure, fill_sectioned, sectioned
 from v3dcad.settings import FillSettings, SectionSettings
 from v3dcad.watched import Watched
@@ -84,4 +85,6 @@ def _key(source: str, settings: FillSettings, sites: Floats | None) -> object:
 
 def _read(source: str, stage: Stage) -> Part:
     stage("reading the part", 0, 0)
-    return part_from(source)
+    # FreeCAD counts in mm, which the kinds of files that it gives do not state.
+    gives = Path(source).suffix.lower() in (*BREP, *STL)
+    return part_from(source, unit="mm" if gives else None)

@@ -24,7 +24,7 @@ class Making:
     def __call__(self, number: int) -> str:
         text = self.file.read_text(encoding="utf-8")
         if text == "bad":
-            raise V3dcadError("two\nlines")
+            raise V3dcadError("two\n--lines")
         return f"{number}: {text}"
 
 
@@ -78,7 +78,7 @@ def test_a_file_that_was_written_makes_another_page(port: int, file: Path) -> No
 def test_what_cannot_be_shown_is_told_and_the_page_stays(port: int, file: Path) -> None:
     heard = answer(port, "/changes?1")
     file.write_text("bad", encoding="utf-8")
-    assert told(heard) == ("failed", "two lines")
+    assert told(heard) == ("failed", "two --lines")
     assert answer(port, "/").read() == b"1: one"
 
 

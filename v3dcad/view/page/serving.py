@@ -47,7 +47,7 @@ class Live:
             page = self._make(self._number + 1).encode()
         except V3dcadError as error:
             with self._changed:
-                self._news = _event("failed", " ".join(str(error).split()))
+                self._news = _event("failed", " ".join(error.message.split()))
                 self._failures += 1
                 self._changed.notify_all()
             return
