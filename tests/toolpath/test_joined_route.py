@@ -12,7 +12,7 @@ from diagrams import area_of, disc, layer, scattered, square, stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from v3dcad.geometry.loops.joining import BRIDGE, Bridged, Curves, joined
+from v3dcad.geometry.loops.joining import LINK, Curves, Linked, joined
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import EXTRUDE, PERIMETER, RETRACED, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
@@ -70,7 +70,7 @@ def test_each_region_is_one_closed_curve(
 ) -> None:
     made = layer(scattered(count, 10, seed), section)
     loops, shared = loops_of(made, perimeters)
-    lines = lines_of(joined(loops, W, Bridged()))
+    lines = lines_of(joined(loops, W, Linked()))
     check_apart(lines)
     # A curve more for each loop that found no neighbour one bead away, as in narrow tips.
     lone = [line for line in lines if line.length < 8 * W]
@@ -80,10 +80,10 @@ def test_each_region_is_one_closed_curve(
 
 @lean
 @given(st.integers(0, 10**6), st.sampled_from(SECTIONS[:3]))
-def test_bridges_are_as_long_as_what_they_replace(seed: int, section: Section) -> None:
+def test_links_are_as_long_as_what_they_replace(seed: int, section: Section) -> None:
     loops, _ = loops_of(layer(scattered(20, 10, seed), section))
     before = sum(shapely.LinearRing(ring).length for ring in rings_of(loops))
-    after = sum(line.length for line in lines_of(joined(loops, W, Bridged())))
+    after = sum(line.length for line in lines_of(joined(loops, W, Linked())))
     assert after == pytest.approx(before, rel=2e-3)
 
 
@@ -130,18 +130,18 @@ def test_the_area_of_a_cell_too_small_goes_to_its_neighbours() -> None:
         assert sum(shape.area for shape in grown) == pytest.approx(area.area, rel=2e-3)
 
 
-def bridge_places(curves: Curves) -> Floats:
+def link_places(curves: Curves) -> Floats:
     """(b, 2) middles of the steps from loop to loop."""
     after = np.roll(curves.points, -1, axis=0)
     for a, b in zip(curves.first[:-1], curves.first[1:], strict=True):
         after[b - 1] = curves.points[a]
-    return ((curves.points + after) / 2)[curves.owner == BRIDGE]
+    return ((curves.points + after) / 2)[curves.owner == LINK]
 
 
-def test_bridges_wander() -> None:
+def test_links_wander() -> None:
     loops, _ = loops_of(layer(scattered(60, 15, 2), square(15)))
-    bridged = Bridged()
-    places = [bridge_places(joined(loops, W, bridged)) for _ in range(12)]
+    linked = Linked()
+    places = [link_places(joined(loops, W, linked)) for _ in range(12)]
     for below, above in pairwise(places):
         apart = np.hypot(*(above[:, None] - below[None]).transpose(2, 0, 1)).min(axis=1)
         assert (apart < W).mean() < 0.05

@@ -24,7 +24,7 @@ def roofs(surface: Mesh) -> Mesh:
     a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
     normals = np.cross(b - a, c - a)
     upward = normals[:, 2] > np.cos(np.radians(FLAT)) * np.linalg.norm(normals, axis=1)
-    return Mesh(surface.vertices, surface.triangles[upward & (normals[:, 2] > 0)])
+    return Mesh(surface.vertices, surface.triangles[upward])
 
 
 def finer_under(sizes: Sizes, surface: Mesh, roof_size: float, slope: float) -> Sizes:

@@ -6,7 +6,11 @@ trim        cell edges cut off at the innermost perimeter
 route       strokes: least retrace (euler), trails; tree_route: the thesis's order
 stroke      what is extruded without a stop
 cell_loops, joined_route  two beads a wall: every cell a loop, and one closed stroke a region
+first_layer what lies on the bed: brim, and whether a part stands safely
+skins       where a layer is solid
+bridging    skins over air and over cells
 solid       areas covered with parallel beads
+seam        where outermost perimeters begin
 plan        which strokes a layer has, in which order
 travel      ways inside the part
 cooling     short layers printed slower

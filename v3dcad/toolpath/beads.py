@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.loops.joining import Bridged
+from v3dcad.geometry.loops.joining import Linked
 from v3dcad.model import (
     BRIDGE,
     CELLS,
@@ -59,7 +59,7 @@ def trace(
     `GeometryError` where layers do not ascend, and at the end where nothing of the part was
     printed.
     """
-    nozzle, bridged, seams = Nozzle(settings), Bridged(), Seams(settings.seam)
+    nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
     traced = made = False
     for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
@@ -67,7 +67,7 @@ def trace(
         if printed:
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         seams.rise()
-        plan = Plan(layer, area, skin, settings, first, nozzle.spacing, bridged, seams, below)
+        plan = Plan(layer, area, skin, settings, first, nozzle.spacing, linked, seams, below)
         before = nozzle.position
         strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
         for stroke in strokes:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry import arcs
-from v3dcad.geometry.loops.joining import Bridged, joined
+from v3dcad.geometry.loops.joining import Linked, joined
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
 from v3dcad.toolpath.cell_loops import cell_loops
@@ -40,7 +40,7 @@ def joined_strokes(
     spacing: float,
     shortest: float,
     outer: PathGraph,
-    bridged: Bridged,
+    linked: Linked,
     seams: Seams,
     here: Floats,
 ) -> Iterator[Stroke]:
@@ -59,7 +59,7 @@ def joined_strokes(
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
-    curves = joined(loops.thinned(shortest), spacing, bridged, shortest)
+    curves = joined(loops.thinned(shortest), spacing, linked, shortest)
     left = [
         Closed(
             curves.points[start:stop],

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-from v3dcad.geometry.loops.joining import Bridged
+from v3dcad.geometry.loops.joining import Linked
 from v3dcad.model import (
     BRIDGE,
     BRIM,
@@ -54,7 +54,7 @@ class Plan:
     first: bool
     spacing: float
     """mm between two beads side by side"""
-    bridged: Bridged
+    linked: Linked
     seams: Seams
     below: Below | None
     """the layer below; None on the bed"""
@@ -83,12 +83,15 @@ class Plan:
         yield from self._solid(skin)
 
     def _in_walks(self, depths: list[float], *, whole: bool) -> Iterator[Stroke]:
-        """Perimeters and cells of one bead; where foam is not the `whole` inside, with a rim."""
+        """Perimeters and cells of one bead; where foam is not the `whole` inside, with a rim.
+
+        The rim lies beside a skin, or beside the innermost perimeter, a bead deeper than that.
+        """
         outer = [self._perimeter(depth) for depth in depths[: -1 if whole else None]]
-        innermost = inset(self.area, depths[-1]) if whole else inset(self.foam, self.spacing / 2)
+        depth = depths[-1] if whole else depths[-1] + self.spacing
+        innermost = inset(self.area, depth) if whole else inset(self.foam, self.spacing / 2)
         graph, self.joined = with_short_edges_joined(
-            self._arced(self._cells_within(innermost, depths[-1]), depths[-1]),
-            self.settings.minimum_edge,
+            self._arced(self._cells_within(innermost, depth), depth), self.settings.minimum_edge
         )
         perimeter = graph.feature == PERIMETER
         order = [*outer, graph]
@@ -127,7 +130,7 @@ class Plan:
             self.spacing,
             self.settings.minimum_edge,
             self._perimeter(depths[0]),
-            self.bridged,
+            self.linked,
             self.seams,
             self.here,
         ):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.loops.coverage import covered
-from v3dcad.model import RETRACED, Bytes, Floats
+from v3dcad.model import BRIDGE, RETRACED, Bytes, Floats
 
 
 class Stroke(NamedTuple):
@@ -28,7 +28,8 @@ def capped(strokes: Sequence[Stroke], spacing: float) -> list[Stroke]:
     """The strokes of a layer with no more bead than there is room for, beads `spacing` (mm) wide.
 
     Where beads come nearer to each other than that, as in narrow tips, thin parts and junctions of
-    walls of one bead, each gets what lies nearest to it.
+    walls of one bead, each gets what lies nearest to it. Bridges are laid in full: they hang free,
+    with a flow of their own.
     """
     if not strokes:
         return []
@@ -43,6 +44,6 @@ def capped(strokes: Sequence[Stroke], spacing: float) -> list[Stroke]:
     fed = []
     for stroke, on, part in zip(strokes, laid, np.split(share, ends), strict=True):
         amount = stroke.laid.copy()
-        amount[on] *= part
+        amount[on] *= np.where(stroke.feature[on] == BRIDGE, 1.0, part)
         fed.append(stroke._replace(laid=amount))
     return fed

@@ -60,14 +60,14 @@ def _checked(key: str, value: Any, path: str) -> Any:
         near = difflib.get_close_matches(key, known, n=1)
         hint = f"did you mean {near[0]}?" if near else "see `v3dcad fill -h` for their names"
         raise FormatError(f"{key} is not a setting; {hint}", path=path)
-    hint = get_type_hints(PrintSettings)[key]
-    wanted = get_args(hint) or (hint,)
+    kind = get_type_hints(PrintSettings)[key]
+    wanted = get_args(kind) or (kind,)
     if float in wanted and type(value) is int:
         value = float(value)
     if type(value) not in wanted:
         words = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
         raise FormatError(
-            f"{key} = {value!r}: give {' or '.join(words[kind] for kind in wanted)}", path=path
+            f"{key} = {value!r}: give {' or '.join(words[one] for one in wanted)}", path=path
         )
     try:
         alone: dict[str, Any] = {key: value}

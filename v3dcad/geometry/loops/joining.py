@@ -2,7 +2,7 @@
 
 Two loops that face each other are cut where they do, one bead spacing wide, and joined crosswise.
 Along a spanning tree of the loops this makes one closed curve of them all. With the gap as wide as
-the spacing, a bridge adds the length that the cuts take away: two pieces of one spacing each.
+the spacing, links add the length that the cuts take away: two pieces of one spacing each.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from v3dcad.model import Floats, Ints, Value
 
 GOLDEN = (math.sqrt(5) - 1) / 2
 RESTED = 4
-"""Layers after which a wall may be bridged as if it never had been."""
+"""Layers after which a wall may have a link as if it never had had one."""
 ROOM = 0.5
 """Bead spacings between two cuts of a loop."""
 LONG = 6.0
 """Bead spacings: a stretch longer than this is no better a place than one of this length."""
 LEAST_GAP = 0.6
-"""A bridge is at least so many bead spacings wide."""
+"""A link is at least so many bead spacings wide."""
 GRID = 1e-6
 """mm: nothing is shorter."""
 OWNERS = 2**32
 """More than there are owners."""
-BRIDGE = 2**62
+LINK = 2**62
 """The "owner" of a step that crosses from one loop to another."""
 
 
@@ -51,11 +51,11 @@ class Curves(Value):
     first: Ints
     """(c + 1,)"""
     owner: Ints
-    """(p,) the owner of the loop that the step on from a point follows, or `BRIDGE`"""
+    """(p,) the owner of the loop that the step on from a point follows, or `LINK`"""
 
 
-class Bridged:
-    """Which walls were bridged lately, so that bridges do not lie above each other."""
+class Linked:
+    """Which walls had a link lately, so that links do not lie above each other."""
 
     def __init__(self) -> None:
         self.layer = 0
@@ -63,7 +63,7 @@ class Bridged:
         self._last = np.empty(0, np.int64)
 
     def rest(self, walls: Ints) -> Ints:
-        """(n,) layers since each wall was bridged, at most `RESTED`."""
+        """(n,) layers since each wall had a link, at most `RESTED`."""
         if not len(self._walls):
             return np.full(len(walls), RESTED)
         place = np.minimum(np.searchsorted(self._walls, walls), len(self._walls) - 1)
@@ -71,7 +71,7 @@ class Bridged:
         return np.where(known, self.layer - self._last[place], RESTED)
 
     def note(self, walls: Ints) -> None:
-        """Remember the walls bridged on this layer and go on to the next."""
+        """Remember the walls that have a link on this layer and go on to the next."""
         self.layer += 1
         still = (self.layer - self._last < RESTED) & ~np.isin(self._walls, walls)
         known = np.concatenate([self._walls[still], walls])
@@ -80,12 +80,12 @@ class Bridged:
         self._last = last[first]
 
 
-def joined(loops: Loops, spacing: float, bridged: Bridged, shortest: float = 0.0) -> Curves:
+def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) -> Curves:
     """The loops joined as far as they face each other, in one closed curve for each group.
 
-    Kruskal's spanning forest: bridges as wide as the `spacing` (mm) first, then walls that have
-    rested longest (`bridged` remembers), then long ones. Along a wall the place goes by the golden
-    ratio from layer to layer, so that bridges seldom lie above each other. Corners nearer than
+    Kruskal's spanning forest: links as wide as the `spacing` (mm) first, then walls that have
+    rested longest (`linked` remembers), then long ones. Along a wall the place goes by the golden
+    ratio from layer to layer, so that links seldom lie above each other. Corners nearer than
     `shortest` (mm) to a cut are left out.
     """
     found = facing(loops, spacing)
@@ -93,19 +93,19 @@ def joined(loops: Loops, spacing: float, bridged: Bridged, shortest: float = 0.0
     stretch = found.along[:, 1] - found.along[:, 0]
     owners = np.sort(loops.owner[found.loops], axis=1)
     walls = owners[:, 0] * OWNERS + owners[:, 1]
-    turn = bridged.layer * GOLDEN % 1.0
+    turn = linked.layer * GOLDEN % 1.0
     phase = (found.along.mean(axis=1) / length[found.loops[:, 0]] + turn) % 1.0
     order = np.lexsort(
         (
             phase,
             -np.rint(np.minimum(stretch, LONG * spacing) / spacing * 8),
-            -bridged.rest(walls),
+            -linked.rest(walls),
             stretch < spacing,
         )
     )
     most = max(len(loops.owner) - 1, 0)
     cuts = np.empty((2 * most, 2))
-    bridge = np.empty(most, np.int64)
+    link = np.empty(most, np.int64)
     count = _choose(
         loops.points,
         loops.first,
@@ -118,10 +118,10 @@ def joined(loops: Loops, spacing: float, bridged: Bridged, shortest: float = 0.0
         spacing,
         turn,
         cuts,
-        bridge,
+        link,
     )
-    bridged.note(walls[bridge[:count]])
-    on = found.loops[bridge[:count]].ravel()
+    linked.note(walls[link[:count]])
+    on = found.loops[link[:count]].ravel()
     return _walked(loops, at, length, on, cuts[: 2 * count], shortest)
 
 
@@ -240,9 +240,9 @@ def _choose(
     spacing: float,
     turn: float,
     cuts: FloatRows,
-    bridge: IntArray,
+    link: IntArray,
 ) -> int:
-    """Kruskal's forest: for each bridge its stretch in `bridge`, two rows of `cuts`."""
+    """Kruskal's forest: for each link its stretch in `link`, two rows of `cuts`."""
     count = 0
     parent = np.arange(len(length))
     latest = np.full(len(length), -1)
@@ -281,7 +281,7 @@ def _choose(
                     cuts[cut, 0], cuts[cut, 1] = begin, begin + gap
                     earlier[cut] = latest[loop]
                     latest[loop] = cut
-                bridge[count] = k
+                link[count] = k
                 count += 1
                 parent[_root(parent, one)] = _root(parent, other)
                 done = True
@@ -325,7 +325,7 @@ def _arc(
             size += 1
         k += 1
     out[size, 0], out[size, 1] = _place(points, low, high, at, length, stop)
-    owner[size] = BRIDGE
+    owner[size] = LINK
     return size + 1
 
 

@@ -28,6 +28,10 @@ SHORTEST = 1e-7
 """mm: a shorter chain is none."""
 GRAZING = 1e-6
 """mm: contours so near to a cell's box are looked at, and points so near to each other are one."""
+NUDGE = np.array([3.1, 1.7]) * 1e-11
+"""mm by which contours are moved, so that none lies exactly along a cell's side or ends on it: such
+ties would have to be told apart, and rounded numbers cannot (Edelsbrunner and Mücke, "Simulation
+of simplicity", 1990, move points by amounts too small to compute with)."""
 NEARLY = 1e-4
 """The share of the way from a cell's corner to its middle at which the corner is looked at."""
 
@@ -37,7 +41,7 @@ class Region:
 
     def __init__(self, area: shapely.Geometry, contours: list[Floats]) -> None:
         self.area = area
-        self._loops = Loops.of(contours, list(range(len(contours))))
+        self._loops = Loops.of([ring + NUDGE for ring in contours], [*range(len(contours))])
         self._after = self._loops.after()
         shapely.prepare(area)
         if len(contours):
