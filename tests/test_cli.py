@@ -416,7 +416,6 @@ def test_view_draws_pictures(samples: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((), "nothing to draw: give --png FILE or --svg FILE"),
         (("--svg", "a.svg", "--target", "none"), "--target none: give full, layer, cell, "),
         (("--svg", "a.svg", "--target", "layer", "--layer", 99), "the layers are 0 to 4"),
         (("--svg", "a.svg", "--target", "cell"), "no cell is chosen: the cells of layer 2 are "),
