@@ -1,4 +1,4 @@
-"""Draw the pictures of README and docs/foam.md: `python docs/pictures.py`.
+"""Draw the pictures of docs/foam.md: `python docs/pictures.py`.
 
 The same bytes each time. A vertical cut shows where the walls, which are plane polygons in space,
 cross the plane y = 0.
@@ -101,7 +101,6 @@ def main() -> None:
         ],
         4.2,
     )
-    v3dcad.fill(HERE.parent / "samples" / "bracket.step").write_png(HERE / "bracket.png")
 
 
 if __name__ == "__main__":

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 
 import pytest
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
 
 import v3dcad
-from v3dcad.cli import main
+from v3dcad.cli import app, main
 from v3dcad.errors import GeometryError, SettingError, with_arguments
 from v3dcad.settings import PrintSettings, declared
 
@@ -46,6 +49,25 @@ def test_a_mistake_is_one_line_that_says_what_to_do(
     assert (code, out) == (2, "")
     assert said.startswith(f"v3dcad: {says}")
     assert said.count("\n") == 1
+
+
+def commands(group: TyperGroup) -> Iterator[tuple[str, TyperCommand]]:
+    for name, one in group.commands.items():
+        if isinstance(one, TyperGroup):
+            yield from commands(one)
+        elif isinstance(one, TyperCommand):
+            yield name, one
+
+
+def test_no_command_has_two_options_of_one_name() -> None:
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    found = dict(commands(group))
+    assert {"fill", "view", "slice"} <= found.keys()
+    for command, one in found.items():
+        names = [name for known in one.params for name in (*known.opts, *known.secondary_opts)]
+        twice = {name for name in names if names.count(name) > 1}
+        assert not twice, command
 
 
 @pytest.mark.parametrize("words", [[], ["ont"], ["printer"]])

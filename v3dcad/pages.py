@@ -11,7 +11,7 @@ from v3dcad.files import written_beside
 from v3dcad.model import Layer, Part, Placement
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.view.page.first import WHOLE, First
-from v3dcad.view.targets.declared import TARGETS
+from v3dcad.view.targets.declared import target_of
 from v3dcad.view.targets.preview import preview
 
 NOTEBOOK_SEGMENTS = 150_000
@@ -45,13 +45,14 @@ class Pages(Protocol):
         With print settings it shows the toolpath too. Where it has more than `most` segments (by
         default as many as a browser draws fluently), only some layers are shown, and the page says
         so. `first` is what it shows when it is opened; `live` is its number where a server tells it
-        of later ones. Raises `SettingError` for a layer, cell or neighbour that is not there.
+        of later ones. Raises `SettingError` for a target, layer, cell or neighbour that is not
+        there.
         """
         from v3dcad.toolpath.beads import trace
         from v3dcad.view.page.content import MOST_SEGMENTS, page
 
         target, layer, cell, neighbour = first
-        if TARGETS[target].asks:
+        if target_of(target).asks:
             index = len(self.layers) // 2 if layer is None else layer
             preview(
                 "layer" if target == "toolpath" else target,

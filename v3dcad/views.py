@@ -83,8 +83,11 @@ class Views(Protocol):
         `layer` is by default the one in the middle; with `ids` cells have the numbers of their
         sites. The whole structure and its overhang are seen in space, a quarter cut away, and what
         `write_gcode` told (`printed`) comes into the title. Of very many layers only some are
-        drawn, and the title says so. Raises `SettingError` for what is not there.
+        drawn, and the title says so. Raises `SettingError` for what is not there, and for another
+        `kind`.
         """
+        if kind not in PICTURES.values():
+            raise SettingError("kind", f"--kind {kind}: give {' or '.join(PICTURES.values())}")
         from v3dcad.view.figures import part_picture, plane_picture
         from v3dcad.view.picture import choose
         from v3dcad.view.targets.sizes import size_distribution

@@ -214,6 +214,8 @@ def test_a_picture_is_written_by_its_ending(tmp_path: Path) -> None:
     assert (tmp_path / "a.PNG").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(SettingError, match=r"a\.pdf: not a kind of picture; give \.png or \.svg"):
         pyramid().write_picture(tmp_path / "a.pdf")
+    with pytest.raises(SettingError, match="kind pdf: give png or svg"):
+        pyramid().picture(kind="pdf")
     with pytest.raises(SettingError, match="layer 25: the layers are 0 to 24"):
         pyramid().write_picture(tmp_path / "b.png", "layer", 25)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["a.PNG", "a.svg"]

@@ -386,7 +386,7 @@ APART = next(one for one in CELLS[1:] if [CELL, one] not in BESIDE)
 @pytest.mark.parametrize(
     ("asked", "setting", "says"),
     [
-        (("moon",), "target", "target 'moon': give full, layer, cell, neighbours, neighbour, tree"),
+        (("moon",), "target", "target moon: give full, layer, cell, neighbours, neighbour, tree"),
         (("layer", -1), "layer", "layer -1: the layers are 0 to 5"),
         (("tree", 6), "layer", "layer 6: the layers are 0 to 5"),
         (("cell", 2), "cell", "no cell is chosen: the cells of layer 2 are "),

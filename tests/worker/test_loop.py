@@ -64,7 +64,7 @@ def test_what_is_no_request_is_answered_in_words(worker: Worker, line: bytes, sa
         ({"random_seed": 1.5}, {}, "give a whole number", "random_seed"),
         ({"cells": 5}, {}, "there is no setting 'cells'", "cells"),
         ({"offset": 1}, {}, "is a setting of --method thesis", "offset"),
-        ({}, {"target": "moon"}, "target 'moon': give full, layer", "target"),
+        ({}, {"target": "moon"}, "target moon: give full, layer", "target"),
         ({}, {"layer": 5000}, "layer 5000: the layers are 0 to 149", "layer"),
         ({}, {"target": "cell", "cell": 10**6}, "the cells of layer 3 are", "cell"),
         ({}, {"do": "brep", "form": "foam"}, "form 'foam': give wires", "form"),

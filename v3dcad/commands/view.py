@@ -55,8 +55,8 @@ def view(
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the page for the browser here.")
     ] = None,
-    opens: Annotated[
-        bool, typer.Option("--open/--no-open", help="Open the page in the browser.")
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")
     ] = True,
     serve: Annotated[
         bool, typer.Option("--serve", help="Follow PART: load the page again when it is written.")
@@ -74,7 +74,7 @@ def view(
     **settings: Any,
 ) -> None:
     """Show PART, filled: a page in the browser, or pictures of what a target shows."""
-    from v3dcad.view.targets.declared import TARGETS
+    from v3dcad.view.targets.declared import target_of
 
     files = {
         kind: file
@@ -85,8 +85,7 @@ def view(
         kind = next(iter(files))
         raise SettingError(kind, f"--serve keeps the page in memory; leave out --{kind}")
     check_outputs(part, files)
-    if target not in TARGETS:
-        raise SettingError("target", f"--target {target}: give {', '.join(TARGETS)}")
+    target_of(target)
     chosen = given(FillSettings, settings)
     printing = print_settings(profile, settings)
     load_engine()
@@ -108,7 +107,7 @@ def view(
             with Progress() as progress:
                 return filled(progress).page(printing, first, live=number)
 
-        serve_file(part, make, opens)
+        serve_file(part, make, browser)
         return
     if not files:
         files["html"] = page_place(part)
@@ -133,4 +132,4 @@ def view(
         files.values(),
     )
     if "html" in files and not is_stream(files["html"]):
-        show_file(files["html"], opens)
+        show_file(files["html"], browser)

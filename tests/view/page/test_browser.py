@@ -307,7 +307,7 @@ def test_huge_structures_are_thinned_and_say_so(
     file.write_text(structure.page(most=edges // 3), encoding="utf-8")
     shown = Shown(browser, file)
     said = shown.tab.locator("#note").text_content()
-    assert said.startswith("Thinned: 7 of 25 layers are shown, every 4th.")
+    assert said.startswith("Thinned: 7 of 25 layers are shown, one in 4.")
     shown.set(layer=6)
     assert "Layer 24 of 0 … 24" in shown.tab.locator("#layer-text").text_content()
     shown.close()

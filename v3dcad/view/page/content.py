@@ -119,6 +119,6 @@ def _thinned(step: int, layers: int, segments: int) -> str:
         return ""
     shown = len(range(0, layers, step))
     return (
-        f"Thinned: {shown} of {layers} layers are shown, every {step}th. All of them have "
+        f"Thinned: {shown} of {layers} layers are shown, one in {step}. All of them have "
         f"{segments:,} segments, more than a page can draw fluently. Volumes are those of all."
     )

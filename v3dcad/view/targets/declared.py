@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from v3dcad.errors import SettingError
+
 
 class Target(NamedTuple):
     """What a target shows, in words, and what has to be chosen for it."""
@@ -26,3 +28,10 @@ TARGETS = {
     "toolpath": Target("how a layer is printed: perimeters, beads, travel, seams", ("layer",)),
 }
 """By name, in the order in which they are offered."""
+
+
+def target_of(name: str) -> Target:
+    """The target of a name; `SettingError` where there is none."""
+    if name not in TARGETS:
+        raise SettingError("target", f"--target {name}: give {', '.join(TARGETS)}")
+    return TARGETS[name]

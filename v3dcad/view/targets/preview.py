@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from v3dcad.errors import SettingError
 from v3dcad.model import Layer, Placement, Toolpath
 from v3dcad.view.targets import one_layer, whole
-from v3dcad.view.targets.declared import TARGETS
+from v3dcad.view.targets.declared import target_of
 from v3dcad.view.targets.shown import Preview
 from v3dcad.view.targets.toolpath import toolpath
 
@@ -28,8 +28,7 @@ def preview(
     computed when they are asked for, only one is, but by `full`, `cut` and `overhang`, which go
     through all. Raises `SettingError` for a target, layer, cell or neighbour that is not there.
     """
-    if target not in TARGETS:
-        raise SettingError("target", f"target {target!r}: give {', '.join(TARGETS)}")
+    target_of(target)
     if target in whole.SHOWS:
         return whole.SHOWS[target](layers).at_source(placement)
     if not 0 <= index < len(layers):
