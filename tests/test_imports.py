@@ -247,14 +247,27 @@ def test_triangles_need_no_kernel_and_the_default_route_no_matching(
     assert not loaded & {"OCP", "pymatching", "networkx"}
 
 
-def test_without_the_kernel_step_is_refused_with_the_line_that_brings_it(samples: Path) -> None:
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("info", "bracket.step"),
+        ("fill", "bracket.step", "--gcode"),
+        ("fill", "pyramid.stl", "--out"),
+    ],
+)
+def test_without_the_kernel_step_is_refused_with_the_line_that_brings_it(
+    words: tuple[str, ...], samples: Path, tmp_path: Path
+) -> None:
+    command, part, *more = words
+    more += [str(tmp_path / "out")] if more else []
     code = (
         "import sys; sys.modules['OCP'] = None\n"
         "from v3dcad.cli import main\n"
-        f"sys.argv = ['v3dcad', 'info', {str(samples / 'bracket.step')!r}]; main()"
+        f"sys.argv = ['v3dcad', {command!r}, {str(samples / part)!r}, *{more!r}]; main()"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8")
     assert done.returncode == 2
+    assert not list(tmp_path.iterdir())
     assert done.stderr.count("\n") == 1
     assert "run `pip install 'v3dcad[occt]'`" in done.stderr
 

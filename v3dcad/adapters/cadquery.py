@@ -33,4 +33,4 @@ def voronoiFill(self: Workplane, form: str = "solid", **settings: Any) -> Workpl
     return self.newObject(shapes)
 
 
-Workplane.voronoiFill = voronoiFill  # type: ignore[attr-defined, unused-ignore]
+Workplane.voronoiFill = voronoiFill

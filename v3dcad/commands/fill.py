@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -84,12 +85,14 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
-    from v3dcad.parts import ONT, check_readable
+    from v3dcad.parts import BREP, ONT, STEP, check_readable
     from v3dcad.recipes import known_settings
 
     if part.suffix.lower() not in ONT:
         known_settings(chosen)  # all that can be known before the part is read
     printing = print_settings(profile, settings)
+    if part.suffix.lower() in (*STEP, *BREP) or files.keys() & {"step", "brep"}:
+        import_module("v3dcad.kernel")  # where it is missing, that is told before anything is done
     # Loading, filling, the certificate (with the report), and each other file.
     steps = 3 + len(files.keys() - {"report"})
     with Progress(f"filling {part.name}", steps) as progress:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from v3dcad.commands.rows import print_rows
+from v3dcad.files import is_stream
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 """Variables of which Linux sets one where a browser can be seen; without, it would start one made
@@ -35,7 +36,12 @@ def page_place(part: Path) -> Path:
 
 
 def show_file(file: Path, opens: bool) -> None:
-    """Open a page that was written, unless it shall not be; tell where it is if it is not open."""
+    """Open a page that was written, unless it shall not be; tell where it is if it is not open.
+
+    What went to a device or a pipe is not there to be opened.
+    """
+    if is_stream(file):
+        return
     address = file.resolve().as_uri()
     if opens and open_in_browser(address):
         print_rows([("page", "opened in the browser")])

@@ -90,7 +90,7 @@ def view(
     printing = print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import written_line
-    from v3dcad.files import is_stream, written_beside
+    from v3dcad.files import written_beside
     from v3dcad.pipeline import fill
     from v3dcad.view.page.first import First
 
@@ -131,5 +131,5 @@ def view(
         ],
         files.values(),
     )
-    if "html" in files and not is_stream(files["html"]):
+    if "html" in files:
         show_file(files["html"], browser)
