@@ -383,8 +383,8 @@ class PrintSettings(Checked):
     )
     seam: str = setting(
         "aligned",
-        "Where the outermost perimeter begins and ends: above the seam below, in the sharpest "
-        "corner; at the rear; or somewhere else on each layer.",
+        "Where the outermost perimeter begins and ends, by route joined: above the seam below, "
+        "else in the sharpest corner; at the rear; or somewhere else on each layer.",
         choices=("aligned", "rear", "scattered"),
     )
     bottom_layers: int = setting(

@@ -49,12 +49,11 @@ def fill_sections(
     """
     refuse_heights(sections)
     refuse_rings(sections)
-    if len(sections) and not any(section.rings for section in sections):
+    bare = not any(section.rings for section in sections)
+    if bare and (len(sections) or box is None):
         raise GeometryError("no section has a ring: there is nothing to fill")
     if box is None:
         box = rings_box(sections)
-        if not np.isfinite(box).all():
-            raise GeometryError("no section has a ring: there is nothing to fill")
     else:
         box = rows("box", box, "x, y")
         if len(box) != 2:
