@@ -25,7 +25,7 @@ KINDS = {
 }
 """Kinds of files, and how their names end."""
 
-PICTURES = (".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".pdf")
+UNWRITTEN = (".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".pdf")
 """How pictures end that are not written."""
 
 

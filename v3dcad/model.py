@@ -159,8 +159,12 @@ class Section(Value):
 
 def part_words(part: Part) -> str:
     """A part in a few words: its name and size."""
-    size = " × ".join(f"{length:.6g}" for length in np.ptp(part.bounds, axis=0))
-    return f"{part.name!r}, {size} mm"
+    return f"{part.name!r}, {size_words(part)}"
+
+
+def size_words(part: Part) -> str:
+    """A part's size in words, such as "60 × 40 × 48 mm"."""
+    return " × ".join(f"{side:.6g}" for side in np.ptp(part.bounds, axis=0)) + " mm"
 
 
 class Part(Protocol):

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Protocol
 
 from v3dcad.files import written_beside
-from v3dcad.model import Layer, Part, Placement
+from v3dcad.model import Layer, Part, Placement, size_words
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.view.page.first import WHOLE, First
 from v3dcad.view.targets.declared import target_of
 from v3dcad.view.targets.preview import preview
 
 NOTEBOOK_SEGMENTS = 150_000
-"""The most that a page in a notebook holds: 2.5 MB, of which three.js is 1.1."""
+"""The most that a page in a notebook holds: 2.5 MB, of which an empty page has 1.1."""
 
 
 class Pages(Protocol):
@@ -62,9 +62,9 @@ class Pages(Protocol):
                 cell,
                 neighbour,
             )
-        size, height = self.part.bounds[1] - self.part.bounds[0], self.settings.layer_height
+        height = self.settings.layer_height
         facts = {
-            "size": " × ".join(f"{side:.6g}" for side in size) + " mm",
+            "size": size_words(self.part),
             "layers": f"{len(self.layers)} of {height:g} mm",
             "method": self.settings.method,
         }

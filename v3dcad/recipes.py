@@ -13,7 +13,7 @@ import numpy as np
 from v3dcad.arguments import rows
 from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
-from v3dcad.model import Brep, Floats, Mesh, Part, Recipe
+from v3dcad.model import Brep, Floats, Mesh, Part, Recipe, size_words
 from v3dcad.parts import MeshPart, check_readable
 from v3dcad.settings import FillSettings, declared, option
 
@@ -217,7 +217,7 @@ def describe(part: Part, held: dict[str, str] | None = None) -> dict[str, str]:
     return {
         "name": part.name,
         **held,
-        "size": " × ".join(f"{value:.6g}" for value in high - low) + " mm",
+        "size": size_words(part),
         "from, to": f"({corners[0]}), ({corners[1]}) mm",
         **part.contents(),
         **{f"note {k}": finding for k, finding in enumerate(part.findings, start=1)},

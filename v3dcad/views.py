@@ -9,11 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Layer, Part, Placement
+from v3dcad.model import Layer, Part, Placement, size_words
 from v3dcad.settings import PrintSettings
 from v3dcad.view.targets.preview import preview
 from v3dcad.view.targets.shown import Preview
@@ -150,8 +148,7 @@ class Views(Protocol):
 
     def _facts(self, cells: int, printed: Print | None) -> str:
         """What the title of a picture tells of the structure."""
-        size = " × ".join(f"{side:.4g}" for side in np.ptp(self.part.bounds, axis=0))
-        facts = [f"{size} mm", f"{cells:,} cells"]
+        facts = [size_words(self.part), f"{cells:,} cells"]
         if printed is not None:
             from v3dcad.report import hours_text
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from v3dcad.errors import SettingError
-from v3dcad.exports import KINDS, PICTURES
+from v3dcad.exports import KINDS, UNWRITTEN
 from v3dcad.files import is_stream
 
 ENDINGS = {**KINDS, "report": (".json",), "html": (".html", ".htm")}
@@ -41,7 +41,7 @@ def check_outputs(part: Path, files: Mapping[str, Path]) -> None:
 
 def _check_ending(kind: str, option: str, file: Path) -> None:
     own = ENDINGS[kind]
-    others = {*PICTURES, *(ending for endings in ENDINGS.values() for ending in endings)} - {*own}
+    others = {*UNWRITTEN, *(ending for endings in ENDINGS.values() for ending in endings)} - {*own}
     if file.suffix.lower() in others:
         message = f"{option} {file}: ends as another kind of file; name it {file.stem}{own[0]}"
         raise SettingError(kind, message)

@@ -51,6 +51,7 @@ def slice_part(
     chosen = SectionSettings(**given(SectionSettings, settings))
     tell_of_compiling()
     from v3dcad.exports import written_line
+    from v3dcad.model import size_words
     from v3dcad.slicing import section, write_sections_step, write_sections_svg
 
     with Progress(f"cutting {part.name}", 2 + len(files)) as progress:
@@ -70,11 +71,9 @@ def slice_part(
         progress.start("counting")
         counts = [(len(cut.rings), sum(map(len, cut.rings))) for cut in watched]
     rings, points = zip(*counts, strict=True)
-    low, high = sections.part.bounds
-    size = " × ".join(f"{length:.6g}" for length in high - low)
     print_rows(
         [
-            ("part", f"{sections.part.name}, {size} mm"),
+            ("part", f"{sections.part.name}, {size_words(sections.part)}"),
             ("sections", len(sections)),
             ("contours", f"{sum(rings)}, at most {max(rings)} in one section"),
             ("points", sum(points)),

@@ -4,6 +4,6 @@ gcode      G-code: written and read, machine profiles, templates
 mesh       STL, OBJ and 3MF
 ont        `.ont` files
 numbers    numbers as text, to the last bit
-sites_csv  sites as rows of x,y
-svg        layers and sections as drawings
+sites_csv  sites as rows of x,y,z or x,y
+curve_step curves as STEP, written as text
 """

@@ -80,7 +80,7 @@ def test_the_slider_takes_layers_away(page: Shown) -> None:
     page.tab.locator("#layer").fill("8")
     page.settle()
     assert page.state("layer") == 8
-    assert "Layer 8 of 0 … 24, 16 mm" in page.tab.locator("#layer-text").text_content()
+    assert "Layer 8 of 0 … 24, 17 mm" in page.tab.locator("#layer-text").text_content()
     assert changed(whole, page.picture()) > 0.05
 
 

@@ -21,6 +21,9 @@ async function start() {
   const arrays = await unpack(byId("data").textContent, told.table);
   byId("data").remove(); // nobody needs the text again
   const structure = new Structure(arrays, told.bounds, told.rise);
+  const [low, high] = told.bounds;
+  const top = Math.max(high[2], arrays.z.at(-1) + told.rise); // of the uppermost walls
+  const drawn = [low, [high[0], high[1], top]];
   const canvas = byId("canvas");
   const stage = new Stage(canvas, told.bounds);
   const drawing = new Drawing(stage, structure, told);
@@ -52,7 +55,7 @@ async function start() {
 
   state.watch((values, changed) => {
     if (changed.has("theme")) colours();
-    clip(values, told.bounds);
+    clip(values, drawn);
     drawing.update(values);
     showCell(byId("card"), structure, values, choose);
   });
