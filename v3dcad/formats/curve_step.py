@@ -152,11 +152,16 @@ def _real(value: float) -> str:
 
 
 def _text(text: str) -> str:
-    """A string as Part 21 writes it: what is not ASCII as UTF-16, in hexadecimal."""
+    """A string as Part 21 writes it: what is not ASCII by its number, in hexadecimal.
+
+    What is no letter at all, as in a file's name that is not UTF-8, is a question mark.
+    """
     written = []
     for letter in text:
         if " " <= letter <= "~":
             written.append({"'": "''", "\\": "\\\\"}.get(letter, letter))
         else:
-            written.append(f"\\X2\\{letter.encode('utf-16-be').hex().upper()}\\X0\\")
+            number = letter.encode("utf-32-be", "replace").hex().upper()
+            short = number.removeprefix("0000")
+            written.append(f"\\X{len(short) // 2}\\{short}\\X0\\")
     return f"'{''.join(written)}'"

@@ -118,7 +118,7 @@ def _forget_stale(sources: list[Path], places: list[Path]) -> None:
     digest = blake2b(b"".join(source.read_bytes() for source in sources)).hexdigest()
     for place in places:
         note = place / NOTE
-        if note.exists() and note.read_text(encoding="ascii") == digest:
+        if note.exists() and note.read_bytes() == digest.encode():
             continue
         try:
             for old in (*place.glob("*.nb[ic]"), note):
