@@ -84,10 +84,10 @@ def test_a_printer_lays_every_edge_once_and_all_the_filament(
         assert wanted.buffer(2e-3).covers(shapely.union_all(lines))
         assert {m.stop[2] for m in moves} == {round(made.z + 0.2, 3)}
         flow = 1.1 if made.index == 0 else 0.95
-        expected += (cells.length + inside.boundary.length) * 0.8 * 0.2 * flow / FILAMENT
+        expected += wanted.buffer(0.4).area * 0.2 * flow / FILAMENT  # what all beads cover
     found = sum(m.extruded for m in printer.printing())
-    assert found == pytest.approx(expected, rel=1e-6)
-    assert totals.filament_mm == pytest.approx(expected, rel=1e-9)
+    assert found == pytest.approx(expected, rel=0.04)  # 0.8 mm beads in cells of 4 mm
+    assert totals.filament_mm == pytest.approx(found, rel=1e-6)
     assert printer.retracted == pytest.approx(0, abs=1e-9)
 
 
@@ -133,9 +133,8 @@ def test_arcs_are_written_as_arcs_and_paid_by_their_length() -> None:
     printer = Printer().run(text)
     arcs = [m for m in printer.printing("WALL-OUTER") if m.arc]
     assert sum(m.length for m in arcs) == pytest.approx(2 * np.pi * 13.6, rel=1e-4)
-    assert sum(m.extruded for m in arcs) == pytest.approx(
-        2 * np.pi * 13.6 * 0.8 * 0.2 / FILAMENT, rel=1e-5
-    )
+    # Where walls end on them, they have less room.
+    assert 0.95 < sum(m.extruded for m in arcs) / (2 * np.pi * 13.6 * 0.8 * 0.2 / FILAMENT) < 1
     assert not [m for m in printer.printing("FILL") if m.arc]
     plain, _ = written([made])
     assert len(text) < 0.8 * len(plain)
@@ -148,6 +147,9 @@ def test_a_ring_alone_is_two_half_turns() -> None:
     arcs = [m for m in printer.printing() if m.arc]
     assert len(arcs) <= 3
     assert sum(m.length for m in arcs) == pytest.approx(2 * np.pi * 13.6, rel=1e-4)
+    assert sum(m.extruded for m in arcs) == pytest.approx(
+        2 * np.pi * 13.6 * 0.8 * 0.2 / FILAMENT, rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("flavour", ["marlin", "reprapfirmware", "klipper"])
@@ -351,7 +353,7 @@ def test_no_feed_is_zero() -> None:
     "name", ["print_speed", "travel_speed", "first_layer_speed", "z_speed", "retraction_speed"]
 )
 def test_speeds_of_zero_are_refused(name: str) -> None:
-    with pytest.raises(SettingError, match="above 0 mm/s") as caught:
+    with pytest.raises(SettingError, match="at least 0.1 mm/s") as caught:
         PrintSettings(**{name: 0.0})  # type: ignore[arg-type]
     assert caught.value.name == name
 

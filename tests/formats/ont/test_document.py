@@ -335,7 +335,7 @@ NESTED = lzma.compress(b"\nOpen CASCADE Topology V4")
             changed(UNIFORM, "max_overhang = 45", "max_overhang = 85"),
             "max_overhang 85.* at most",
         ),
-        (changed(UNIFORM, "method = foam", "method = thesis"), "cell-size is a setting of .* foam"),
+        (changed(UNIFORM, "method = foam", "method = thesis"), "cell_size is a setting of .* foam"),
         (changed(UNIFORM, "random_seed", "sites"), "sites is a setting of method thesis"),
         (changed(STL, "random_seed = 7", "insertion = yes"), "'yes' is not a value"),
         (changed(STL, "sites = 2", "sites = 10000000"), "10000000.*at most 200000"),
