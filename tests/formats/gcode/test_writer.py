@@ -86,7 +86,7 @@ def test_a_printer_lays_every_edge_once_and_all_the_filament(
         flow = 1.1 if made.index == 0 else 0.95
         expected += wanted.buffer(0.4).area * 0.2 * flow / FILAMENT  # what all beads cover
     found = sum(m.extruded for m in printer.printing())
-    assert found == pytest.approx(expected, rel=0.04)  # 0.8 mm beads in cells of 4 mm
+    assert found == pytest.approx(expected, rel=0.04)  # beads of 0.8 mm, cells of 4.5 mm
     assert totals.filament_mm == pytest.approx(found, rel=1e-6)
     assert printer.retracted == pytest.approx(0, abs=1e-9)
 
