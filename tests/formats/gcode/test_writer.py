@@ -353,7 +353,7 @@ def test_no_feed_is_zero() -> None:
     "name", ["print_speed", "travel_speed", "first_layer_speed", "z_speed", "retraction_speed"]
 )
 def test_speeds_of_zero_are_refused(name: str) -> None:
-    with pytest.raises(SettingError, match="at least 0.1 mm/s") as caught:
+    with pytest.raises(SettingError, match=r"at least 0\.1 mm/s") as caught:
         PrintSettings(**{name: 0.0})  # type: ignore[arg-type]
     assert caught.value.name == name
 
