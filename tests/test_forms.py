@@ -195,7 +195,7 @@ def test_beads_have_the_volume_of_their_parts(profile: str, tmp_path: Path) -> N
     expected = sum(area * d.lengths().sum() + joint * len(d.vertices) for d in diagrams)
     assert volume_of(beads) == pytest.approx(expected, rel=1e-9)
     structure.write_step(tmp_path / "a.step", "beads", width=0.8, profile=profile)
-    assert list(read_step(tmp_path / "a.step"))[1] == "layer 1 z 0.5"
+    assert list(read_step(tmp_path / "a.step"))[1] == "layer 1 z 0.75"
 
 
 def test_thick_walls_as_mesh_and_solid_agree(structure: Structure, tmp_path: Path) -> None:
