@@ -135,7 +135,7 @@ def run_job(
     except PrinterError as error:
         sent = turn_heaters_off(link, job.data_to_send(), job.state.cool(), clock)
         if isinstance(error, PrintError):
-            raise PrintError(error.end, f"{error.message}; {sent}") from error
+            raise PrintError(error.end, f"{error.reason}; {sent}") from error
         raise
     except BaseException:
         turn_heaters_off(link, job.data_to_send(), job.state.cool(), clock)
