@@ -264,7 +264,7 @@ def test_a_solid_that_occt_cannot_read_is_an_error(bracket: Path) -> None:
 
 
 def test_describe_tells_what_a_file_says(bracket: Path, thesis: Path, tmp_path: Path) -> None:
-    held = v3dcad.recipes.describe(v3dcad.part_from(bracket))
+    held = v3dcad.recipes.describe_ont(bracket)
     assert (held["boundary"], held["method"]) == ("B-rep", "foam")
     assert (held["cell size"], held["stretch"]) == ("9.0 mm", "1.25")
     assert "offset" not in held

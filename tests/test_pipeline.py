@@ -133,10 +133,11 @@ def test_gcode_stays_in_the_part_and_lays_every_edge(
         assert shapely.length(lines).sum() == pytest.approx(lengths.sum(), rel=1e-3)
         # G-code counts in µm: shorter edges may vanish.
         assert np.count_nonzero(lengths > 1.5e-3) <= len(lines) <= np.count_nonzero(lengths > 1e-4)
-        total += lengths.sum() * settings.bead_width * (z - below)
+        room = shapely.union_all(lines).buffer(settings.bead_width / 2).area
+        total += room * (z - below)
         below = z
     filament = math.pi / 4 * settings.filament_diameter**2
-    assert moves.extruded.sum() * filament == pytest.approx(total, rel=1e-6)
+    assert moves.extruded.sum() * filament == pytest.approx(total, rel=0.04)
     assert moves.extruded[moves.extruded < 0] == pytest.approx(-1.0, abs=2e-5)
     heights = moves.stops[printing, 2]
     assert (np.diff(heights) >= 0).all()
