@@ -175,13 +175,14 @@ def test_structure_and_sections_go_back_to_where_the_source_lies(
     structure = v3dcad.fill(placed, layer_height=2, cell_size=10)
     structure.write_step(tmp_path / "walls.step")
     v3dcad.section(placed, layer_height=2).write_step(tmp_path / "sections.step")
-    for name in ("walls.step", "sections.step"):
+    for name, base in (("walls.step", 1.0), ("sections.step", 0.0)):
         reader = STEPControl_Reader()
         reader.ReadFile(str(tmp_path / name))
         reader.TransferRoots()
         box = bounds(reader.OneShape())
-        # Planes lie 2 mm apart along the source's x; along y and z they see the extremes.
-        assert box[0, 0] == pytest.approx(part.bounds[0, 0], abs=1e-5)
+        # Planes lie 2 mm apart along the source's x, a structure's in the middle of its layers;
+        # along y and z they see the extremes.
+        assert box[0, 0] == pytest.approx(part.bounds[0, 0] + base, abs=1e-5)
         assert box[:, 1:] == pytest.approx(part.bounds[:, 1:], abs=1e-4)
 
 

@@ -77,7 +77,7 @@ def said_on_a_terminal(cache: Path, *words: str) -> str:
 @pytest.mark.parametrize("command", [["warm-up"], ["fill", "no.step", "--out", "out"]])
 def test_compiling_is_announced_on_a_terminal(command: list[str], tmp_path: Path) -> None:
     said = said_on_a_terminal(tmp_path, *command)
-    assert said.endswith(f"{NOTICE}\r\n")
+    assert f"{NOTICE}\r\n" in said
     if command[0] == "fill":
         assert said.index("loading the engine") < said.index(NOTICE), "a bar from the first moment"
 
