@@ -73,7 +73,9 @@ def write_source(source: Any, target: Any, folder: Path) -> str:
 def seen_from(target: Any, obj: Any) -> App.Placement:
     """Where an object lies in the frame of a target, or in the document's if there is none."""
     frame = frame_of(target).inverse() if target is not None else App.Placement()
-    return frame.multiply(obj.getGlobalPlacement())
+    # A FEM mesh of FreeCAD 0.20 cannot tell its global placement; it lies in no container.
+    tells = hasattr(obj, "getGlobalPlacement")
+    return frame.multiply(obj.getGlobalPlacement() if tells else obj.Placement)
 
 
 def keep(folder: Path, name: str, write: Callable[[str], Any]) -> str:
