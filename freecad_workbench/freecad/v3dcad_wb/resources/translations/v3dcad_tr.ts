@@ -776,12 +776,12 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Hücre boyutu</translation>
     </message>
     <message>
-      <source>Stretch</source>
-      <translation>Uzatma</translation>
-    </message>
-    <message>
       <source>Roof size</source>
       <translation>Çatı altı açıklığı</translation>
+    </message>
+    <message>
+      <source>Stretch</source>
+      <translation>Uzatma</translation>
     </message>
     <message>
       <source>Heights</source>
@@ -868,12 +868,32 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>otomatik</translation>
     </message>
     <message>
+      <source>Largest span of a skin over cells: under roofs no cell is wider. The .ont file then lists all sites.</source>
+      <translation>Hücreler üzerindeki bir kabuğun en büyük açıklığı: çatıların altında hiçbir hücre daha geniş olmaz. .ont dosyası o zaman tüm noktaları listeler.</translation>
+    </message>
+    <message>
+      <source>off</source>
+      <translation>kapalı</translation>
+    </message>
+    <message>
       <source>How many times as tall as wide cells are, about; auto takes the least that --max-overhang allows. columns makes upright walls.</source>
       <translation>Hücrelerin yüksekliğinin genişliğine yaklaşık oranı; auto, --max-overhang'in izin verdiği en küçüğü alır. columns dik duvarlar yapar.</translation>
     </message>
     <message>
       <source>columns</source>
       <translation>sütunlar</translation>
+    </message>
+    <message>
+      <source>Where a layer's section is taken: in the middle of the bead that fills it, or at its bottom, as the thesis does.</source>
+      <translation>Bir katmanın kesitinin alındığı yer: onu dolduran şeridin ortasında ya da tezdeki gibi altında.</translation>
+    </message>
+    <message>
+      <source>middle</source>
+      <translation>orta</translation>
+    </message>
+    <message>
+      <source>bottom</source>
+      <translation>alt</translation>
     </message>
     <message>
       <source>Refuse a cell size that changes more steeply than cells can follow, instead of making them smaller there.</source>
@@ -950,10 +970,6 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>First layer flow</source>
       <translation>İlk katman akışı</translation>
-    </message>
-    <message>
-      <source>Overlap compensation</source>
-      <translation>Çakışma telafisi</translation>
     </message>
     <message>
       <source>Minimum edge</source>
