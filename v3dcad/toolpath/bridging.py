@@ -91,12 +91,14 @@ def _cost(
     lines = shapely.linestrings(
         np.stack([rows + (left - 1) * along, rows + (right + 1) * along], axis=1)
     )
-    bare = shapely.difference(shapely.intersection(lines, area), held)
-    free = shapely.get_parts(shapely.get_parts(bare))
+    inside = shapely.get_parts(shapely.get_parts(shapely.intersection(lines, area)))
+    # All lines at once: each by itself would go through all walls in the foam again.
+    crossing = shapely.multilinestrings(inside[shapely.length(inside) > 0])
+    free = shapely.get_parts(shapely.difference(crossing, held))
     free = free[shapely.length(free) > spacing / 4]
     if not len(free):
         return 0.0, 0.0
     ends = [shapely.get_point(free, number) for number in (0, -1)]
-    loose = np.max([shapely.distance(end, held) for end in ends], axis=0) > spacing / 10
+    loose = ~np.all([shapely.dwithin(end, held, spacing / 10) for end in ends], axis=0)
     spans = np.where(loose, FREE, 1.0) * shapely.length(free)
     return float(np.rint(spans.max() / spacing)), float((spans**2).sum() * step)
