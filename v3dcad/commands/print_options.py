@@ -17,14 +17,10 @@ Profile = Annotated[
 
 def print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettings:
     """What a profile says, unless an option says otherwise; `SettingError` for nonsense."""
-    known: dict[str, Any] = {}
-    if profile is not None:
-        from v3dcad.formats.gcode.machine_profile import read_profile
-
-        known = read_profile(profile)
+    from v3dcad.formats.gcode import machine_profile
     from v3dcad.formats.gcode.blocks import check_blocks
 
-    chosen = PrintSettings(**{**known, **given(PrintSettings, settings)})
+    chosen = machine_profile.print_settings(profile, given(PrintSettings, settings))
     chosen.bed_size()
     check_blocks(chosen)
     return chosen

@@ -215,14 +215,10 @@ class Work:
 
     def _printing(self) -> PrintSettings:
         """Print settings: a profile's, unless the request says otherwise."""
-        known: dict[str, Any] = {}
-        profile = self._optional("profile", str)
-        if profile:
-            from v3dcad.formats.gcode.machine_profile import read_profile
+        from v3dcad.formats.gcode.machine_profile import print_settings
 
-            known = read_profile(profile)
         values = chosen(PrintSettings, self._optional("print", dict) or {})
-        return PrintSettings(**{**known, **values})
+        return print_settings(self._optional("profile", str) or None, values)
 
     def _sizes(self) -> ExportSettings:
         """How a structure is exported, as far as the request says: a form, and its sizes."""

@@ -20,11 +20,16 @@ def profile_names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in found)
 
 
+def print_settings(profile: str | None, chosen: dict[str, Any]) -> PrintSettings:
+    """What a profile says, if there is one, but for what is chosen; raises as `read_profile`."""
+    known = {} if profile is None else read_profile(profile)
+    return PrintSettings(**{**known, **chosen})
+
+
 def read_profile(name: str) -> dict[str, Any]:
     """The settings of a profile: one that comes with v3dcad, or a path to the user's own file.
 
-    Values are checked as a whole; `PrintSettings(**{**read_profile(name), **options})` lets
-    options given on the command line take precedence. Raises `FormatError` for a file that cannot
+    Values are checked as a whole by `print_settings`. Raises `FormatError` for a file that cannot
     be read, is not TOML, or has a key or value that no setting takes.
     """
     if name in profile_names():
