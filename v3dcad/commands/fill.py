@@ -88,6 +88,7 @@ def fill(
     from v3dcad.parts import BREP, ONT, STEP, check_readable
     from v3dcad.recipes import known_settings
 
+    check_readable(part)
     if part.suffix.lower() not in ONT:
         known_settings(chosen)  # all that can be known before the part is read
     printing = print_settings(profile, settings)

@@ -111,7 +111,7 @@ def view(
         return
     if not files:
         files["html"] = page_place(part)
-    with Progress(steps=1 + len(files)) as progress:
+    with Progress(f"drawing {part.name}", 1 + len(files)) as progress:
         structure = filled(progress)
         for kind, file in files.items():
             progress.start(f"drawing {file}")
