@@ -94,8 +94,10 @@ def fill(
     printing = print_settings(profile, settings)
     if part.suffix.lower() in (*STEP, *BREP) or files.keys() & {"step", "brep"}:
         import_module("v3dcad.kernel")  # where it is missing, that is told before anything is done
-    # Loading, filling, the certificate (with the report), and each other file.
-    steps = 3 + len(files.keys() - {"report"})
+    # Loading, filling, the certificate (with the report), and each other file; where no G-code is
+    # traced, spans are looked for by themselves.
+    certified = "gcode" not in files and not isinstance(printing.fail_over, str)
+    steps = 3 + certified + len(files.keys() - {"report"})
     with Progress(f"filling {part.name}", steps) as progress:
         progress.start("loading the engine")
         load_engine()
@@ -118,6 +120,9 @@ def fill(
         structure = fill_part(source or part, verify=verify, progress=progress.step, **chosen)
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
+        if certified:
+            progress.start("checking what holds up each bead")
+            watched.printed_overhang(printing)
         for kind, file in files.items():
             if kind != "report":
                 progress.start(f"writing {file}")

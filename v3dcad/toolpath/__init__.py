@@ -15,5 +15,7 @@ plan        which strokes a layer has, in which order
 travel      ways inside the part
 cooling     short layers printed slower
 beads       `trace`: layers to toolpaths
+overhang    what of the beads has nothing under it, layer by layer
+certificate the same for a whole print, as arrays and in words
 report      what a layer's printing comes to
 """

@@ -31,6 +31,7 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
+from v3dcad.toolpath.overhang import Hanging, Laid, hanging, laid_beads, refuse_spans
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
@@ -56,11 +57,13 @@ def trace(
     the others as far above it as their sections are, each filling the height to the one below.
     Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
     Layers are held only as long as it takes to know whether they are among the top ones. Raises
-    `GeometryError` where layers do not ascend, and at the end where nothing of the part was
-    printed.
+    `GeometryError` where layers do not ascend, where beads span more than `fail_over`, and at the
+    end where nothing of the part was printed.
     """
     nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
+    laid: Laid | None = None
+    certified = report is not None or not isinstance(settings.fail_over, str)
     traced = made = False
     for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
         first = nozzle.level == 0
@@ -72,16 +75,24 @@ def trace(
         strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
         for stroke in strokes:
             nozzle.print(stroke)
+        toolpath = nozzle.taken(layer.index)
+        hang: tuple[Hanging, ...] = ()
+        if certified and printed:
+            if laid is not None and below is not None:
+                hang = hanging(
+                    toolpath, before, laid, below.area, settings.bead_width, nozzle.height
+                )
+                refuse_spans(hang, layer.index, nozzle.level, settings.fail_over)
+            laid = laid_beads(toolpath, before)
         if printed:
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        toolpath = nozzle.taken(layer.index)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, len(strokes), plan, seconds, level))
+            report(layer_report(toolpath, before, len(strokes), plan, seconds, level, hang))
         yield toolpath
     if traced and not made:
         raise GeometryError(
@@ -120,6 +131,7 @@ class Nozzle:
         self.settings = settings
         self.position = np.zeros(3)
         self.level = 0.0
+        self.height = 0.0
         self._above = 0.0
         self._areas = np.zeros(FEATURES)
         self.spacing = 0.0
@@ -141,9 +153,10 @@ class Nozzle:
                 layer=layer.index,
             )
         flow = settings.flow if below else settings.first_layer_flow
-        area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
+        self.height = self.level - below
+        area = bead_area(settings.bead_width, self.height, settings.bead_shape)
         # Beads so far apart fill the layer between them.
-        self.spacing = area / (self.level - below)
+        self.spacing = area / self.height
         self._areas = np.full(FEATURES, area * flow / 100)
         self._areas[BRIDGE] = area * settings.bridge_flow / 100
         self._speed = np.minimum(
