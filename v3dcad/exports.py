@@ -54,7 +54,7 @@ def export(
     if kind == "ont":
         structure.write_ont(file, None if how.boundary == "auto" else how.boundary)
     elif kind == "png":
-        structure.write_png(file, printed)
+        structure.write_picture(file, kind="png", printed=printed)
     elif kind == "svg":
         structure.write_svg(file, how.svg_layer)
     elif kind == "stl":

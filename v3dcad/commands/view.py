@@ -90,7 +90,6 @@ def view(
     printing = print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import written_line
-    from v3dcad.files import written_beside
     from v3dcad.pipeline import fill
     from v3dcad.view.page.first import First
 
@@ -118,12 +117,9 @@ def view(
             if kind == "html":
                 structure.write_html(file, printing, first)
                 continue
-            with written_beside(file) as beside:
-                beside.write_bytes(
-                    structure.picture(
-                        target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
-                    )
-                )
+            structure.write_picture(
+                file, target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
+            )
     print_rows(
         [
             *(("written", written_line(file)) for file in files.values()),

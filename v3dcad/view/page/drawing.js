@@ -43,7 +43,7 @@ export class Drawing {
   #cell = -1; // whose walls `solid` holds
 
   constructor(stage, structure, told) {
-    const { arrays, rise } = structure;
+    const { arrays, rise, span } = structure;
     this.stage = stage;
     this.structure = structure;
     this.colours = { ...told.colours };
@@ -55,14 +55,14 @@ export class Drawing {
     const shares = Uint8Array.from(leans, (lean) => (255 * Math.abs(lean)) / (told.steepest || 1));
     const walls = segments(structure.ends("walls"), { shares, leans });
     const empty = () => segments(NOTHING);
-    this.strips = new Strokes(walls, { strip: true, rise });
+    this.strips = new Strokes(walls, { strip: span });
     this.walls = new Strokes(walls, { width: 1.3, nearer: 2e-5 });
     this.contours = new Strokes(segments(structure.ends("contours")), { width: 1.3, nearer: 2e-5 });
     this.struts = new Strokes(segments(structure.ends("struts")), { width: 2.2 });
     this.ridges = new Strokes(this.struts.mesh.geometry, { width: 1, opacity: 0.35, nearer: 1e-5 });
     this.cutWalls = new Strokes(segments(arrays.cut_walls), { width: 1.6 });
     this.cutContours = new Strokes(segments(arrays.cut_contours), { width: 1.6 });
-    this.solid = new Strokes(empty(), { strip: true, rise, nearer: 1e-5 });
+    this.solid = new Strokes(empty(), { strip: span, nearer: 1e-5 });
     this.beside = new Strokes(empty(), { width: 2.4, nearer: 6e-5 });
     this.chosen = new Strokes(empty(), { width: 3, nearer: 1e-4 });
     const strokes = [

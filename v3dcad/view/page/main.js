@@ -20,9 +20,9 @@ async function start() {
   const told = JSON.parse(byId("told").textContent);
   const arrays = await unpack(byId("data").textContent, told.table);
   byId("data").remove(); // nobody needs the text again
-  const structure = new Structure(arrays, told.bounds, told.rise);
+  const structure = new Structure(arrays, told.bounds, told.span);
   const [low, high] = told.bounds;
-  const top = Math.max(high[2], arrays.z.at(-1) + told.rise); // of the uppermost walls
+  const top = Math.max(high[2], arrays.z.at(-1) + told.span[1]); // of the uppermost walls
   const drawn = [low, [high[0], high[1], top]];
   const canvas = byId("canvas");
   const stage = new Stage(canvas, told.bounds);

@@ -1,5 +1,6 @@
 // Many segments in one draw call: each is a rectangle, either a line some pixels wide, or a strip as
-// high as a layer, which leans as the wall does that it is a piece of. Segments lie in order of height, so that the first so many can be drawn.
+// high as a layer, which leans as the wall does that it is a piece of. Segments lie in order of
+// height, so that the first so many can be drawn.
 
 import * as THREE from "three";
 
@@ -27,7 +28,7 @@ const STRIP = `
   vec2 along = normalize(stop.xy - start.xy + vec2(1e-9, 0.0));
   vec3 upward = vec3(vec2(-along.y, along.x) * tan(radians(lean)), 1.0);
   place = position.x < 0.5 ? start : stop;
-  if (position.y > 0.0) place += upward * rise;
+  place += upward * (position.y > 0.0 ? span.y : span.x);
   vec4 seen = modelViewMatrix * vec4(place, 1.0);
   vec3 normal = normalize(mat3(modelViewMatrix) * cross(vec3(along, 0.0), upward));
   light = 0.45 + 0.55 * abs(dot(normal, normalize(seen.xyz)));
@@ -37,8 +38,8 @@ const STRIP = `
 const vertexShader = (body) => `
   in vec3 start, stop;
   in float share, lean;
-  uniform vec2 pixels, heights, depths;
-  uniform float width, rise, nearer;
+  uniform vec2 pixels, heights, depths, span;
+  uniform float width, nearer;
   out vec3 place;
   out float light, way, haze;
   const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
@@ -83,13 +84,15 @@ export function segments(ends, { shares, leans } = {}) {
 }
 
 export class Strokes {
-  constructor(geometry, { strip = false, width = 1, rise = 0, opacity = 1, nearer = 0 } = {}) {
+  // Lines of a width in pixels; or strips, if `strip` says from where to where above (or below) the
+  // segments they reach, mm.
+  constructor(geometry, { strip = null, width = 1, opacity = 1, nearer = 0 } = {}) {
     this.uniforms = {
       ...shared,
       colours: { value: [new THREE.Color(), new THREE.Color(), new THREE.Color()] },
       heights: { value: new THREE.Vector2(-Infinity, Infinity) },
       width: { value: width },
-      rise: { value: rise },
+      span: { value: new THREE.Vector2(...(strip ?? [0, 0])) },
       opacity: { value: opacity },
       nearer: { value: nearer },
     };

@@ -24,7 +24,7 @@ export class Toolpath {
     const beads = segments(gathered(this.points, this.beads), { shares });
     const travels = segments(gathered(this.points, this.travels));
     const seams = segments(upright(this.points, this.seams, rise));
-    this.sides = new Strokes(beads, { strip: true, rise: -rise });
+    this.sides = new Strokes(beads, { strip: [-rise, 0] });
     this.tops = new Strokes(beads, { width: 2, nearer: 2e-5 }); // of the layer being printed
     this.ways = new Strokes(travels, { width: 1, opacity: 0.6, nearer: 2e-5 });
     this.marks = new Strokes(seams, { width: 6, nearer: 6e-5 });
