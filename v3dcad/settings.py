@@ -333,6 +333,7 @@ class PrintSettings(Checked):
         "Creality Ender 3 family, 0.4 mm nozzle, PLA",
         "What the G-code is for, as its header says.",
     )
+    nozzle_diameter: float = setting(0.4, "Diameter of the nozzle.", unit="mm", least=0.01, most=20)
     bead_width: float = setting(
         0.45,
         "Width of one extruded bead; a little more than the nozzle's diameter.",
@@ -451,6 +452,9 @@ class PrintSettings(Checked):
     )
     slowest_speed: float = setting(
         10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", least=0.1, most=2000
+    )
+    most_speed: float = setting(
+        500.0, "Highest speed of the machine in x and y.", unit="mm/s", least=0.1, most=2000
     )
     most_flow: float = setting(
         15.0,

@@ -28,6 +28,7 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bead import bead_area
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
@@ -99,18 +100,6 @@ def trace(
             f"nothing of the part is printed: all of it is narrower than beads of "
             f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
         )
-
-
-def bead_area(width: float, height: float, shape: str) -> float:
-    """Cross-section of a bead, mm²: a rectangle, or one with half-round sides ("rounded").
-
-    The rounded one is as wide and as high as the rectangle around it; where it would be higher
-    than wide, top and bottom are the round ones.
-    """
-    if shape == "rectangle":
-        return width * height
-    low = min(width, height)
-    return low * (max(width, height) - low) + np.pi / 4 * low**2
 
 
 class Steps(NamedTuple):

@@ -948,6 +948,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Makine</translation>
     </message>
     <message>
+      <source>Nozzle diameter</source>
+      <translation>Nozul çapı</translation>
+    </message>
+    <message>
       <source>Bead width</source>
       <translation>Şerit genişliği</translation>
     </message>
@@ -1054,6 +1058,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Slowest speed</source>
       <translation>En düşük hız</translation>
+    </message>
+    <message>
+      <source>Most speed</source>
+      <translation>En büyük hız</translation>
     </message>
     <message>
       <source>Most flow</source>
