@@ -15,5 +15,6 @@ plan        which strokes a layer has, in which order
 travel      ways inside the part
 cooling     short layers printed slower
 beads       `trace`: layers to toolpaths
+plastic     how much plastic layers take, from some of them
 report      what a layer's printing comes to
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import tee
 from typing import NamedTuple
 
 import numpy as np
@@ -62,7 +63,11 @@ def trace(
     nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
     traced = made = False
-    for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
+    # A layer waits for its skin, which sections above have a say in.
+    waiting, ahead = tee(layers)
+    areas = cuts((layer.section for layer in ahead), settings)
+    found = shells(areas, *settings.solid_layers())
+    for layer, ((area, printed), skin) in zip(waiting, found, strict=True):
         first = nozzle.level == 0
         if printed:
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
@@ -100,6 +105,20 @@ def bead_area(width: float, height: float, shape: str) -> float:
         return width * height
     low = min(width, height)
     return low * (max(width, height) - low) + np.pi / 4 * low**2
+
+
+def bead_areas(settings: PrintSettings, height: float, *, first: bool) -> Floats:
+    """(`FEATURES`,) mm²: what is laid for a mm of each feature, on a layer of a `height`, mm."""
+    area = bead_area(settings.bead_width, height, settings.bead_shape)
+    flow = settings.first_layer_flow if first else settings.flow
+    areas = np.full(FEATURES, area * flow / 100)
+    areas[BRIDGE] = area * settings.bridge_flow / 100
+    return areas
+
+
+def bead_spacing(settings: PrintSettings, height: float) -> float:
+    """How far apart beads fill a layer of a `height` between them, mm."""
+    return bead_area(settings.bead_width, height, settings.bead_shape) / height
 
 
 class Steps(NamedTuple):
@@ -140,12 +159,9 @@ class Nozzle:
                 "give layers in ascending order",
                 layer=layer.index,
             )
-        flow = settings.flow if below else settings.first_layer_flow
-        area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
-        # Beads so far apart fill the layer between them.
-        self.spacing = area / (self.level - below)
-        self._areas = np.full(FEATURES, area * flow / 100)
-        self._areas[BRIDGE] = area * settings.bridge_flow / 100
+        height = self.level - below
+        self.spacing = bead_spacing(settings, height)
+        self._areas = bead_areas(settings, height, first=not below)
         self._speed = np.minimum(
             _speeds(settings, first=not below), settings.most_flow / self._areas
         )
