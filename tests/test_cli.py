@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from build123d import Box, export_step
+from build123d import Box, Pos, export_step
 
 from v3dcad.cli import main
 from v3dcad.commands.compiling import NOTICE
@@ -45,9 +45,10 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
         with pytest.raises(SystemExit) as stop:
             main()
     assert stop.value.code == 2
-    said = capsys.readouterr().err.removeprefix(f"{NOTICE}\n")
+    said = capsys.readouterr().err
     begun, _, rest = said.partition("\n")
-    said = rest if begun.startswith("filling ") else said  # found while layers were made
+    said = rest if begun.startswith(("filling ", "cutting ")) else said  # found while at work
+    said = said.removeprefix(f"{NOTICE}\n")
     assert said.count("\n") == 1, said
     assert said.startswith("v3dcad: ")
     return said
@@ -56,7 +57,7 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
 def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None:
     done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 4)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.removeprefix(f"{NOTICE}\n") == "filling bracket.step\n"
+    assert done.stderr.replace(f"{NOTICE}\n", "") == "filling bracket.step\n"
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == [f"bracket.{end}" for end in ("gcode", "json", "ont", "png", "step")]
     for word in ("layers", "cells", "steepest", "wall length", *files):
@@ -482,3 +483,22 @@ def test_a_part_of_which_nothing_is_printed(
     said = mistake(capsys, "fill", tmp_path / "a.step", "--out", tmp_path / "out")
     assert "nothing of the part is printed: all of it is narrower than beads of 0.45 mm" in said
     assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_span_over_air_is_told_and_fails_where_that_is_asked(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    table = Box(10, 12, 4) + Pos(0, 0, 4) * Box(30, 12, 4)
+    export_step(table, tmp_path / "a.step")
+    fill = "fill", tmp_path / "a.step", "--layer-height", 0.4, "--cell-size", 8
+    done = run(*fill, "--gcode", tmp_path / "a.gcode", columns=250)
+    assert done.returncode == 0, done.stderr
+    assert "spans" in done.stdout
+    assert "of perimeters over air at z 4.2" in done.stdout
+    assert "turn the part (--up, --rotate)" in done.stdout
+    for kind in ("gcode", "ont"):
+        written = tmp_path / f"b.{kind}"
+        said = mistake(capsys, *fill, f"--{kind}", written, "--fail-over", 6)
+        assert "over air (x" in said
+        assert "more than --fail-over 6: turn the part" in said
+        assert not written.exists()

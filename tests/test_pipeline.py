@@ -236,7 +236,7 @@ def test_report_counts_what_the_layers_hold(bracket: Structure, tmp_path: Path) 
 def test_picture_is_a_png_with_something_on_it(bracket: Structure, tmp_path: Path) -> None:
     from matplotlib.image import imread
 
-    bracket.write_png(tmp_path / "a.png")
+    bracket.write_picture(tmp_path / "a.png")
     pixels = imread(tmp_path / "a.png")
     assert pixels.shape[:2] == (1200, 1200)
     assert 0.05 < np.mean(pixels[:, :, :3].min(axis=2) < 0.99) < 0.95

@@ -62,16 +62,16 @@ class Pages(Protocol):
                 cell,
                 neighbour,
             )
-        height = self.settings.layer_height
+        span = self.settings.layer_span()
         facts = {
             "size": size_words(self.part),
-            "layers": f"{len(self.layers)} of {height:g} mm",
+            "layers": f"{len(self.layers)} of {span[0]:g} mm",
             "method": self.settings.method,
         }
         return page(
             self.part.name,
             self.layers,
-            height,
+            span,
             self.part.mesh(),
             facts,
             () if printing is None else trace(self.layers, printing),

@@ -63,6 +63,7 @@ from v3dcad.views import Views
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
     from v3dcad.structure.foam.graded import Graded
+    from v3dcad.toolpath.certificate import PrintedOverhang
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -128,6 +129,20 @@ class Structure(Forms, Views, Pages):
     def overhang(self, bead_width: float = PrintSettings().bead_width) -> Overhang:
         """The certificate: how every layer rests on the one below."""
         return overhang(self.layers, bead_width)
+
+    def printed_overhang(self, settings: PrintSettings | None = None) -> PrintedOverhang:
+        """The certificate of a print: what of its beads hangs over the layer below, and where.
+
+        Traces all layers. Raises `GeometryError` where beads span more than `fail_over`.
+        """
+        from v3dcad.toolpath.beads import trace
+        from v3dcad.toolpath.certificate import printed_overhang
+        from v3dcad.toolpath.report import LayerReport
+
+        reports: list[LayerReport] = []
+        for _ in trace(self.layers, settings or PrintSettings(), reports.append):
+            pass
+        return printed_overhang(reports)
 
     def properties(
         self, wall_width: float = PrintSettings().wall_width(), density: float = 1.24

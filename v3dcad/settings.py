@@ -558,6 +558,14 @@ class PrintSettings(Checked):
         3, "Layer from which the fan has its full power; before, it speeds up evenly.", least=0
     )
 
+    fail_over: float | str = setting(
+        "off",
+        "Print nothing, with exit code 2, where beads span more than this over air or cells.",
+        unit="mm",
+        least=0,
+        words=("off",),
+    )
+
     flavour: str = setting(
         "marlin",
         "The printer's firmware.",

@@ -14,7 +14,7 @@ from v3dcad.geometry.section_area import section_area
 from v3dcad.model import BRIDGE, CELLS, EXTRUDE, SOLID, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
-from v3dcad.toolpath.bridging import direction
+from v3dcad.toolpath.bridging import Held, direction
 from v3dcad.toolpath.report import LayerReport
 from v3dcad.toolpath.skins import Cut, parted, shells
 
@@ -170,7 +170,20 @@ def test_the_direction_is_that_of_the_shortest_span(turned: int) -> None:
     area = rotate(shapely.box(-10, -4, 10, 4), turned, origin=(0, 0))
     banks = rotate(shapely.MultiPolygon([shapely.box(-10, 3, 10, 8), shapely.box(-10, -8, 10, -3)]),
                    turned, origin=(0, 0))  # fmt: skip
-    assert direction(area, banks, W) == (turned + 90) % 180
+    none = np.zeros((0, 2, 2))
+    assert direction(area, Held(banks, none), W) == (turned + 90) % 180
     # Over air on three sides: along the one that holds there is nothing, so out from it.
     ledge = rotate(shapely.box(-10, -8, 10, -3), turned, origin=(0, 0))
-    assert direction(area, ledge, W) == (turned + 90) % 180
+    assert direction(area, Held(ledge, none), W) == (turned + 90) % 180
+
+
+@pytest.mark.parametrize("turned", [0, 30, 75, 120])
+def test_bridges_are_laid_across_walls(turned: int) -> None:
+    """Walls 2 mm apart along one direction, on air: a line across them spans no more than that."""
+    from shapely.affinity import rotate
+
+    area = rotate(shapely.box(-10, -10, 10, 10), turned, origin=(0, 0))
+    walls = [rotate(shapely.LineString([(-11, y), (11, y)]), turned, origin=(0, 0))
+             for y in range(-11, 12, 2)]  # fmt: skip
+    ends = np.array([shapely.get_coordinates(wall) for wall in walls])
+    assert direction(area, Held(shapely.Polygon(), ends, 0.4), W) == (turned + 90) % 180

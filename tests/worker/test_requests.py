@@ -87,6 +87,23 @@ def test_a_fill_is_that_of_the_command_line(worker: Worker, cone: Path, tmp_path
     assert told["mass"] == v3dcad.fill(cone, **SETTINGS).plastic().mass
 
 
+def test_what_hangs_is_that_of_python(worker: Worker, cone: Path) -> None:
+    told = worker.get("overhang", source=str(cone), settings=SETTINGS, print={"top_layers": 2})
+    found = v3dcad.fill(cone, **SETTINGS).printed_overhang(PrintSettings(top_layers=2))
+    assert told["kinds"] == list(found.kinds)
+    assert told["certificate"] == found.line()
+    assert told["findings"] == found.findings()
+    with np.load(told["arrays"]) as arrays:
+        assert set(arrays) == set(found.__dataclass_fields__)
+        for name in arrays:
+            np.testing.assert_array_equal(arrays[name], getattr(found, name))
+    assert found.span.max() > 2
+    said, _ = worker.refused(
+        "overhang", source=str(cone), settings=SETTINGS, print={"fail_over": 0.5}
+    )
+    assert "more than --fail-over 0.5" in said
+
+
 def in_order(lines: np.ndarray) -> np.ndarray:
     """Lines (m, 2, 3) sorted: a layer by itself has the same ones in another order."""
     rows = sorted(sorted(map(tuple, ends)) for ends in lines.tolist())

@@ -16,5 +16,7 @@ travel      ways inside the part
 cooling     short layers printed slower
 beads       `trace`: layers to toolpaths
 plastic     how much plastic layers take, from some of them
+overhang    what of the beads has nothing under it, layer by layer
+certificate the same for a whole print, as arrays and in words
 report      what a layer's printing comes to
 """

@@ -32,6 +32,7 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
+from v3dcad.toolpath.overhang import Hanging, Laid, hanging, laid_beads, refuse_spans
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
@@ -57,11 +58,13 @@ def trace(
     the others as far above it as their sections are, each filling the height to the one below.
     Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
     Layers are held only as long as it takes to know whether they are among the top ones. Raises
-    `GeometryError` where layers do not ascend, and at the end where nothing of the part was
-    printed.
+    `GeometryError` where layers do not ascend, where beads span more than `fail_over`, and at the
+    end where nothing of the part was printed.
     """
     nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
+    laid: Laid | None = None
+    certified = report is not None or not isinstance(settings.fail_over, str)
     traced = made = False
     # A layer waits for its skin, which sections above have a say in.
     waiting, ahead = tee(layers)
@@ -77,16 +80,24 @@ def trace(
         strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
         for stroke in strokes:
             nozzle.print(stroke)
+        toolpath = nozzle.taken(layer.index)
+        hang: tuple[Hanging, ...] = ()
+        if certified and printed:
+            if laid is not None and below is not None:
+                hang = hanging(
+                    toolpath, before, laid, below.area, settings.bead_width, nozzle.height
+                )
+                refuse_spans(hang, layer.index, nozzle.level, settings.fail_over)
+            laid = laid_beads(toolpath, before)
         if printed:
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        toolpath = nozzle.taken(layer.index)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, len(strokes), plan, seconds, level))
+            report(layer_report(toolpath, before, len(strokes), plan, seconds, level, hang))
         yield toolpath
     if traced and not made:
         raise GeometryError(
@@ -139,6 +150,7 @@ class Nozzle:
         self.settings = settings
         self.position = np.zeros(3)
         self.level = 0.0
+        self.height = 0.0
         self._above = 0.0
         self._areas = np.zeros(FEATURES)
         self.spacing = 0.0
@@ -159,9 +171,9 @@ class Nozzle:
                 "give layers in ascending order",
                 layer=layer.index,
             )
-        height = self.level - below
-        self.spacing = bead_spacing(settings, height)
-        self._areas = bead_areas(settings, height, first=not below)
+        self.height = self.level - below
+        self.spacing = bead_spacing(settings, self.height)
+        self._areas = bead_areas(settings, self.height, first=not below)
         self._speed = np.minimum(
             _speeds(settings, first=not below), settings.most_flow / self._areas
         )

@@ -33,6 +33,7 @@ LETTERS_IN_LINE = 88
 def part_picture(
     layers: Sequence[Layer],
     part: Mesh,
+    base: float,
     name: str = "",
     facts: str = "",
     kind: str = "png",
@@ -48,7 +49,7 @@ def part_picture(
     """
     with _figure(pixels / DPI, pixels / DPI) as figure:
         axes = figure.add_subplot()
-        scale = picture.draw(axes, layers, part, from_top=from_top, whole=whole, tilts=tilts)
+        scale = picture.draw(axes, layers, part, base, from_top=from_top, whole=whole, tilts=tilts)
         if name:
             figure.suptitle(_title(name, facts))
         if scale is not None:

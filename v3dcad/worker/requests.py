@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +94,20 @@ class Work:
             "findings": [*structure.findings(), *sizes],
         }
 
+    def overhang(self) -> dict[str, Any]:
+        """What of the printed beads has nothing under it, as arrays and in words."""
+        printing = self._printing()
+        watched = self._watched(self._whole(), "checking what holds up each bead")
+        found = watched.printed_overhang(printing)
+        return {
+            "kinds": list(found.kinds),
+            "arrays": self._files.named(
+                {name: getattr(found, name) for name in found.__dataclass_fields__}
+            ),
+            "certificate": found.line(),
+            "findings": found.findings(),
+        }
+
     def layer(self) -> dict[str, Any]:
         """A preview of one layer, or of one of the other targets."""
         target = self._needed("target", str)
@@ -150,8 +164,7 @@ class Work:
         lines: list[str] = []
         if kind == "gcode":
             printed = structure.write_gcode(file, printing)
-            told = {"time_s": printed.totals.time_s, "filament_mm": printed.totals.filament_mm}
-            told["mass_g"] = printed.totals.mass_g
+            told = {**asdict(printed.totals), "spans": printed.overhang.line()}
             lines += [f"{name}: {said}" for name, said in print_lines(told).items()]
             lines += printed.findings
         else:
@@ -250,6 +263,7 @@ DO: dict[str, Callable[[Work], dict[str, Any]]] = {
     "hello": Work.hello,
     "fill": Work.fill,
     "report": Work.report,
+    "overhang": Work.overhang,
     "layer": Work.layer,
     "brep": Work.brep,
     "export": Work.export,

@@ -1144,6 +1144,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Fanın tam açıldığı katman</translation>
     </message>
     <message>
+      <source>Fail over</source>
+      <translation>En uzun askı</translation>
+    </message>
+    <message>
       <source>Flavour</source>
       <translation>Yazılım türü</translation>
     </message>
