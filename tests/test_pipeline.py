@@ -111,7 +111,13 @@ def test_gcode_stays_in_the_part_and_lays_every_edge(
 ) -> None:
     structure = v3dcad.fill(samples / name, layer_height=0.8)
     settings = PrintSettings(
-        **{**WIDE, "retraction": 1.0, "contour": "centre", "minimum_edge": 0.0, "bridge_speed": 10.0}
+        **{
+            **WIDE,
+            "retraction": 1.0,
+            "contour": "centre",
+            "minimum_edge": 0.0,
+            "bridge_speed": 10.0,
+        }
     )
     structure.write_gcode(tmp_path / "a.gcode", settings)
     text = (tmp_path / "a.gcode").read_text(encoding="utf-8")
