@@ -1,9 +1,9 @@
 """Hours of five parts filled by v3dcad, and by PrusaSlicer with gyroid of the same mass.
 
-Run `python -m benchmarks.gyroid`, where `prusa-slicer` is installed. Both print the same shells (two
-perimeters, four solid layers) with the same beads, speeds, retraction, cooling and one acceleration.
-PrusaSlicer's density is changed until both files take the same filament. The times of both files are
-told by `v3dcad.formats.gcode.reader`, which knows neither slicer.
+Run `python -m benchmarks.gyroid`, where `prusa-slicer` is installed. Both print the same shells
+(two perimeters, four solid layers) with the same beads, speeds, retraction, cooling and one
+acceleration. PrusaSlicer's density is changed until both files take the same filament. The times
+of both files are told by `v3dcad.formats.gcode.reader`, which knows neither slicer.
 """
 
 from __future__ import annotations
