@@ -636,7 +636,9 @@ class ExportSettings(Checked):
         choices=("wires", "faces", "cells", "solid", "struts", "beads"),
     )
     threemf_as: str = setting(
-        "beams", "What the 3MF file holds.", choices=("beams", "solid", "struts", "beads")
+        "beams",
+        "What the 3MF file holds; project is for slicers: the part, its foam a modifier in it.",
+        choices=("beams", "solid", "struts", "beads", "project"),
     )
     stl_as: str = setting(
         "walls", "What the STL file holds.", choices=("walls", "solid", "struts", "beads")
@@ -649,7 +651,7 @@ class ExportSettings(Checked):
 
     def sizes(self, form: str, bead_width: float) -> dict[str, Any]:
         """What a form of `Structure.write_step` and its like takes."""
-        if form == "solid":
+        if form in ("solid", "project"):
             return {"thickness": self.thickness}
         if form in ("struts", "beams"):
             return {"diameter": self.diameter}

@@ -960,6 +960,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>kirişler</translation>
     </message>
     <message>
+      <source>project</source>
+      <translation>dilimleyici projesi</translation>
+    </message>
+    <message>
       <source>walls</source>
       <translation>duvarlar</translation>
     </message>
