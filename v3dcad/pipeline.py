@@ -150,7 +150,9 @@ class Structure(Forms, Views, Pages):
         size = self.settings.cell_size
         if self.graded is not None:
             check_cells(self.graded.asked[1], settings)
-        elif isinstance(size, float | int) and size < auto_cell_size(np.ptp(self.part.bounds, axis=0)):
+        elif isinstance(size, float | int) and size < auto_cell_size(
+            np.ptp(self.part.bounds, axis=0)
+        ):
             check_cells(size, settings)
         check_limits(self.settings, settings)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
-from v3dcad.commands.estimate import estimated, tell
+from v3dcad.commands.filled import SitesFile, Verify, filled
 from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import (
     AsBrep,
@@ -50,12 +50,7 @@ def fill(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for all five files.")
     ] = None,
-    sites_file: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="CSV", help="Sites as x,y,z in mm, or x,y for columns; bed coordinates."
-        ),
-    ] = None,
+    sites_file: SitesFile = None,
     profile: Profile = None,
     ont: OutputFile = None,
     gcode: OutputFile = None,
@@ -68,9 +63,7 @@ def fill(
     ] = None,
     brep: OutputFile = None,
     svg: OutputFile = None,
-    verify: Annotated[
-        bool, typer.Option(help="Compare what an .ont file makes with its check sum.")
-    ] = True,
+    verify: Verify = True,
     rotate: Rotate = None,
     up: Up = None,
     repair: Repair = False,
@@ -89,6 +82,7 @@ def fill(
     from v3dcad.recipes import known_settings
     from v3dcad.toolpath.limits import check_cells, check_limits
 
+    check_readable(part)
     printing = print_settings(profile, settings)
     if part.suffix.lower() not in ONT:
         known = known_settings(chosen)  # all that can be known before the part is read
@@ -106,22 +100,11 @@ def fill(
         progress.start("loading the engine")
         load_engine()
         from v3dcad.exports import export
-        from v3dcad.pipeline import fill as fill_part
 
-        if sites_file is not None:
-            from v3dcad.formats.sites_csv import read_sites
-
-            check_readable(sites_file)
-            chosen["sites"] = read_sites(sites_file)
-        progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep, unit, scale)
-        if source is not None and sites_file is None:
-            expected = estimated(source.bounds, known_settings(chosen))
-            if expected is not None:
-                progress.pause()
-                tell(expected, files.get("gcode"))
-                progress.go_on()
-        structure = fill_part(source or part, verify=verify, progress=progress.step, **chosen)
+        structure = filled(
+            part, chosen, progress, sites_file=sites_file, verify=verify, gcode=files.get("gcode"),
+            rotate=rotate, up=up, repair=repair, as_brep=as_brep, unit=unit, scale=scale,
+        )  # fmt: skip
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
         if certified:
