@@ -47,7 +47,9 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
     assert stop.value.code == 2
     said = capsys.readouterr().err
     begun, _, rest = said.partition("\n")
-    said = rest if begun.startswith(("filling ", "cutting ")) else said  # found while at work
+    said = (
+        rest if begun.startswith(("filling ", "cutting ", "drawing ")) else said
+    )  # found while at work
     said = said.removeprefix(f"{NOTICE}\n")
     assert said.count("\n") == 1, said
     assert said.startswith("v3dcad: ")

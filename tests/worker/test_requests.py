@@ -85,7 +85,7 @@ def test_a_fill_is_that_of_the_command_line(worker: Worker, cone: Path, tmp_path
     assert told["cell_size"] == summary["foam"]["cell_size_made_mm"]
     assert told["certificate"] in done.stdout
     assert f"{told['steepest_wall']:.2f}°" in done.stdout
-    assert told["mass"] == v3dcad.fill(cone, **SETTINGS).properties().mass
+    assert told["mass"] == v3dcad.fill(cone, **SETTINGS).plastic().mass
 
 
 def test_what_hangs_is_that_of_python(worker: Worker, cone: Path) -> None:
@@ -314,7 +314,7 @@ def test_nothing_kept_is_taken_for_what_differs_in_its_sites_alone(cone: Path) -
     one, other = np.random.default_rng(3).uniform(-15, 15, (2, 12, 2))
     for sites in (one, other, one):
         asked = known_settings(settings, sites)
-        made = kept.structure(str(cone), asked, sites, lambda *_: None).checksum()
+        made = kept.structure(str(cone), asked, sites, PrintSettings(), lambda *_: None).checksum()
         assert made == v3dcad.fill(cone, sites=sites, **settings).checksum()
 
 
@@ -324,7 +324,9 @@ def test_a_small_part_of_freecad_is_in_no_other_unit(tmp_path: Path) -> None:
     write_part(part_from(mesh), tmp_path / "a.stl")
     assert "in inches?" in part_from(tmp_path / "a.stl").findings[0]
     settings = FillSettings(cell_size=1.0)
-    made = Kept().structure(str(tmp_path / "a.stl"), settings, None, lambda *_: None)
+    made = Kept().structure(
+        str(tmp_path / "a.stl"), settings, None, PrintSettings(), lambda *_: None
+    )
     assert made.findings() == []
 
 

@@ -102,8 +102,9 @@ def fill(
         from v3dcad.exports import export
 
         structure = filled(
-            part, chosen, progress, sites_file=sites_file, verify=verify, gcode=files.get("gcode"),
-            rotate=rotate, up=up, repair=repair, as_brep=as_brep, unit=unit, scale=scale,
+            part, chosen, printing, progress, sites_file=sites_file, verify=verify,
+            gcode=files.get("gcode"), rotate=rotate, up=up, repair=repair, as_brep=as_brep,
+            unit=unit, scale=scale,
         )  # fmt: skip
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
@@ -151,6 +152,7 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("cells", f"{summary['cells']}, at most {summary['most_cells_in_a_layer']} in a layer"),
             ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m in all layers"),
             *_method_rows(summary),
+            *_expected_rows(structure),
             ("overhang", certificate_line(summary["overhang"])),
             *(print_lines(summary["print"]).items() if "print" in summary else ()),
             *(("written", written_line(file)) for file in files.values()),
@@ -159,6 +161,15 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
         ],
         files.values(),
     )
+
+
+def _expected_rows(structure: Structure) -> list[tuple[str, str]]:
+    """What a cell size that was found for a density or a mass is expected to come to."""
+    expected, size = structure.expected, structure.settings.cell_size
+    if expected is None:
+        return []
+    line = f"{100 * expected.density:.3g} % of the part's volume, {expected.mass:.4g} g"
+    return [("expected", line if isinstance(size, str) else f"{line}, by --cell-size {size:g}")]
 
 
 def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:

@@ -93,7 +93,7 @@ def view(
 
     def structure_of(progress: Progress) -> Structure:
         structure = filled(
-            part, chosen, progress, sites_file=sites_file, verify=verify,
+            part, chosen, printing, progress, sites_file=sites_file, verify=verify,
             rotate=rotate, up=up, repair=repair, as_brep=as_brep, unit=unit, scale=scale,
         )  # fmt: skip
         return replace(structure, layers=progress.watch(structure.layers))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import tee
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.bead import bead_area
+from v3dcad.toolpath.bead import bead_areas, bead_spacing
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
@@ -66,7 +67,11 @@ def trace(
     laid: Laid | None = None
     certified = report is not None or not isinstance(settings.fail_over, str)
     traced = made = False
-    for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
+    # A layer waits for its skin, which sections above have a say in.
+    waiting, ahead = tee(layers)
+    areas = cuts((layer.section for layer in ahead), settings)
+    found = shells(areas, *settings.solid_layers())
+    for layer, ((area, printed), skin) in zip(waiting, found, strict=True):
         first = nozzle.level == 0
         if printed:
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
@@ -141,13 +146,9 @@ class Nozzle:
                 "give layers in ascending order",
                 layer=layer.index,
             )
-        flow = settings.flow if below else settings.first_layer_flow
         self.height = self.level - below
-        area = bead_area(settings.bead_width, self.height, settings.bead_shape)
-        # Beads so far apart fill the layer between them.
-        self.spacing = area / self.height
-        self._areas = np.full(FEATURES, area * flow / 100)
-        self._areas[BRIDGE] = area * settings.bridge_flow / 100
+        self.spacing = bead_spacing(settings, self.height)
+        self._areas = bead_areas(settings, self.height, first=not below)
         self._speed = np.minimum(
             _speeds(settings, first=not below), settings.most_flow / self._areas
         )
