@@ -1,8 +1,8 @@
 """How long a printer takes: trapezoidal speeds, corners taken by junction deviation.
 
-A move speeds up, runs and slows down at an acceleration of its own. The angle of two moves limits the
-speed at their junction (Jeon 2011, as in Grbl, Marlin and Klipper). A pass backward and a pass
-forward over the moves then give the speed at every junction.
+A move speeds up, runs and slows down at an acceleration of its own. The angle between two moves
+limits the speed at their junction (Jeon 2011, as in Grbl, Marlin and Klipper). A pass backward and
+a pass forward over the moves then give the speed at every junction.
 """
 
 from __future__ import annotations

@@ -84,8 +84,8 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     """The loops joined as far as they face each other, in one closed curve for each group.
 
     Kruskal's spanning forest: links as wide as the `spacing` (mm) first, then walls that have
-    rested longest (`linked` remembers), then long ones. A link lies at one end of its wall, where it
-    takes the place of two corners, which costs the least time; at which end goes by the golden
+    rested longest (`linked` remembers), then long ones. A link lies at one end of its wall, where
+    it takes the place of two corners, which costs the least time; at which end goes by the golden
     ratio from layer to layer, so that links seldom lie above each other. Corners nearer than
     `shortest` (mm) to a cut are left out.
     """
