@@ -1100,6 +1100,22 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>İvme</translation>
     </message>
     <message>
+      <source>Perimeter acceleration</source>
+      <translation>Çevre ivmesi</translation>
+    </message>
+    <message>
+      <source>Solid acceleration</source>
+      <translation>Dolu katman ivmesi</translation>
+    </message>
+    <message>
+      <source>Bridge acceleration</source>
+      <translation>Köprü ivmesi</translation>
+    </message>
+    <message>
+      <source>Travel acceleration</source>
+      <translation>Boş hareket ivmesi</translation>
+    </message>
+    <message>
       <source>Corner speed</source>
       <translation>Köşe hızı</translation>
     </message>
@@ -1110,6 +1126,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Filament density</source>
       <translation>Filament yoğunluğu</translation>
+    </message>
+    <message>
+      <source>Pressure advance</source>
+      <translation>Basınç avansı</translation>
     </message>
     <message>
       <source>Retraction</source>
