@@ -31,6 +31,7 @@ MAY_IMPORT = {
     "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
+    "cell_size": INSIDE | {"structure", "toolpath"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
     "forms": INSIDE | RIM | {"files", "sources"},
@@ -41,6 +42,7 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {
+        "cell_size",
         "fields",
         "files",
         "forms",

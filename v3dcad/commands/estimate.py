@@ -80,7 +80,8 @@ def estimated(bounds: Floats, settings: FillSettings) -> Estimate | None:
     size = settings.cell_size
     if size == "auto":
         size = auto_cell_size(bounds[1] - bounds[0])
-    if not isinstance(size, float | int) or not isinstance(settings.roof_size, str):
+    plain = settings.wish() is None and settings.roof_size == "off"
+    if not isinstance(size, float | int) or not plain:
         return None
     cells = width * depth / size**2
     return Estimate(layers, cells) if cells * height / size < 2 * MOST else None

@@ -78,27 +78,39 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
-    from v3dcad.parts import BREP, ONT, STEP
+    from v3dcad.parts import BREP, ONT, STEP, check_readable
     from v3dcad.recipes import known_settings
+    from v3dcad.toolpath.limits import check_cells, check_limits
 
-    if part.suffix.lower() not in ONT:
-        known_settings(chosen)  # all that can be known before the part is read
+    check_readable(part)
     printing = print_settings(profile, settings)
+    if part.suffix.lower() not in ONT:
+        known = known_settings(chosen)  # all that can be known before the part is read
+        if "gcode" in files:
+            check_limits(known, printing)
+            if isinstance(known.cell_size, float | int):
+                check_cells(known.cell_size, printing)
     if part.suffix.lower() in (*STEP, *BREP) or files.keys() & {"step", "brep"}:
         import_module("v3dcad.kernel")  # where it is missing, that is told before anything is done
-    # Loading, filling, the certificate (with the report), and each other file.
-    steps = 3 + len(files.keys() - {"report"})
+    # Loading, filling, the certificate (with the report), and each other file; where no G-code is
+    # traced, spans are looked for by themselves.
+    certified = "gcode" not in files and not isinstance(printing.fail_over, str)
+    steps = 3 + certified + len(files.keys() - {"report"})
     with Progress(f"filling {part.name}", steps) as progress:
         progress.start("loading the engine")
         load_engine()
         from v3dcad.exports import export
 
         structure = filled(
-            part, chosen, progress, sites_file=sites_file, verify=verify, gcode=files.get("gcode"),
-            rotate=rotate, up=up, repair=repair, as_brep=as_brep, unit=unit, scale=scale,
+            part, chosen, printing, progress, sites_file=sites_file, verify=verify,
+            gcode=files.get("gcode"), rotate=rotate, up=up, repair=repair, as_brep=as_brep,
+            unit=unit, scale=scale,
         )  # fmt: skip
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
+        if certified:
+            progress.start("checking what holds up each bead")
+            watched.printed_overhang(printing)
         for kind, file in files.items():
             if kind != "report":
                 progress.start(f"writing {file}")
@@ -140,6 +152,7 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("cells", f"{summary['cells']}, at most {summary['most_cells_in_a_layer']} in a layer"),
             ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m in all layers"),
             *_method_rows(summary),
+            *_expected_rows(structure),
             ("overhang", certificate_line(summary["overhang"])),
             *(print_lines(summary["print"]).items() if "print" in summary else ()),
             *(("written", written_line(file)) for file in files.values()),
@@ -148,6 +161,15 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
         ],
         files.values(),
     )
+
+
+def _expected_rows(structure: Structure) -> list[tuple[str, str]]:
+    """What a cell size that was found for a density or a mass is expected to come to."""
+    expected, size = structure.expected, structure.settings.cell_size
+    if expected is None:
+        return []
+    line = f"{100 * expected.density:.3g} % of the part's volume, {expected.mass:.4g} g"
+    return [("expected", line if isinstance(size, str) else f"{line}, by --cell-size {size:g}")]
 
 
 def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:

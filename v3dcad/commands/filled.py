@@ -13,6 +13,7 @@ from v3dcad.commands.progress import Progress
 
 if TYPE_CHECKING:
     from v3dcad.pipeline import Structure
+    from v3dcad.settings import PrintSettings
 
 SitesFile = Annotated[
     Path | None,
@@ -24,6 +25,7 @@ Verify = Annotated[bool, typer.Option(help="Compare what an .ont file makes with
 def filled(
     part: Path,
     settings: dict[str, Any],
+    printing: PrintSettings,
     progress: Progress,
     *,
     sites_file: Path | None,
@@ -31,7 +33,7 @@ def filled(
     gcode: Path | None = None,
     **options: Any,
 ) -> Structure:
-    """The part in a file, filled by the settings that were given; the engine has been loaded.
+    """The part in a file, filled by settings for a way to print it; the engine has been loaded.
 
     `options` are those of `part_of`. What takes long is told before it begins, and refused where
     there is no room for it, nor for the file `gcode`.
@@ -53,4 +55,6 @@ def filled(
             progress.pause()
             tell(expected, gcode)
             progress.go_on()
-    return fill(source or part, verify=verify, progress=progress.step, **settings)
+    return fill(
+        source or part, verify=verify, progress=progress.step, printing=printing, **settings
+    )

@@ -93,7 +93,7 @@ def view(
 
     def structure_of(progress: Progress) -> Structure:
         structure = filled(
-            part, chosen, progress, sites_file=sites_file, verify=verify,
+            part, chosen, printing, progress, sites_file=sites_file, verify=verify,
             rotate=rotate, up=up, repair=repair, as_brep=as_brep, unit=unit, scale=scale,
         )  # fmt: skip
         return replace(structure, layers=progress.watch(structure.layers))
@@ -102,14 +102,14 @@ def view(
     if serve:
 
         def make(number: int) -> str:
-            with Progress() as progress:
+            with Progress(f"drawing {part.name}") as progress:
                 return structure_of(progress).page(printing, first, live=number)
 
         serve_file(part, make, browser)
         return
     if not files:
         files["html"] = page_place(part)
-    with Progress(steps=1 + len(files)) as progress:
+    with Progress(f"drawing {part.name}", 1 + len(files)) as progress:
         structure = structure_of(progress)
         for kind, file in files.items():
             progress.start(f"drawing {file}")

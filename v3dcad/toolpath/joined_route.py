@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry import arcs
+from v3dcad.geometry.loops.corners import links_rounded
 from v3dcad.geometry.loops.joining import Linked, joined
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
@@ -60,6 +61,7 @@ def joined_strokes(
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
     curves = joined(loops.thinned(shortest), spacing, linked, shortest)
+    curves = links_rounded(curves, shortest)
     left = [
         Closed(
             curves.points[start:stop],

@@ -22,6 +22,8 @@ LIMIT = re.compile(r"\b(ACCEL|SQUARE_CORNER_VELOCITY)\s*=\s*([\d.]+)", re.I)
 MAX_LINE_CHARACTERS = 4096
 ARC_STEP = 1.0
 """mm of the straight steps that an arc's motion is planned in."""
+MAX_ARC_STEPS = 360
+"""Steps of one arc: in a longer one they are longer, so that no line takes long to read."""
 INCH = 25.4
 MOVES_PER_PLAN = 50_000
 """Moves planned at a time."""
@@ -244,7 +246,7 @@ def _arc(
     turned = (math.atan2(dy - j, dx - i) - first) % (2 * math.pi)
     # An arc that ends where it starts is a whole circle.
     sweep = turned - 2 * math.pi if clockwise else turned or 2 * math.pi
-    count = min(max(1, math.ceil(abs(sweep) * radius / ARC_STEP)), 100_000)
+    count = min(max(1, math.ceil(abs(sweep) * radius / ARC_STEP)), MAX_ARC_STEPS)
     points = [start]
     for number in range(1, count):
         turn = first + sweep * number / count

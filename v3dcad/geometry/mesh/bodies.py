@@ -52,11 +52,33 @@ def sides_of(triangles: Ints) -> Sides:
     return Sides(order // 3, ends[order], np.append(first, len(key)))
 
 
-def bodies_of(triangles: Ints) -> Ints:
-    """(t,) the body of each triangle: triangles are joined across edges that two of them share."""
-    sides = sides_of(triangles)
+def sheets_of(triangles: Ints, sides: Sides) -> Ints:
+    """(t,) the sheet of each triangle: they are joined across edges that two of them share."""
     pair = sides.starts[:-1][sides.uses() == 2]
     return _components(len(triangles), sides.triangle[pair], sides.triangle[pair + 1])[1]
+
+
+def bodies_of(triangles: Ints) -> Ints:
+    """(t,) the body of each triangle: its sheet, joined with others until their edges balance.
+
+    So bodies that touch in an edge are apart, and of a closed mesh each body is closed.
+    """
+    sides = sides_of(triangles)
+    sheet = sheets_of(triangles, sides)
+    uses = sides.uses()
+    if uses.max(initial=2) == 2:
+        return sheet
+    edge = np.repeat(np.arange(len(uses)), uses)
+    owner = sheet[sides.triangle]
+    way = np.where(sides.ends[:, 0] < sides.ends[:, 1], 1, -1)
+    crowded = np.flatnonzero(uses[edge] > 2)
+    pairs, which = np.unique(
+        np.column_stack([edge[crowded], owner[crowded]]), axis=0, return_inverse=True
+    )
+    open_there = np.bincount(which.ravel(), way[crowded]) != 0
+    ends, owners = pairs[open_there].T
+    beside = np.flatnonzero(ends[1:] == ends[:-1])
+    return _components(int(sheet.max()) + 1, owners[beside], owners[beside + 1])[1][sheet]
 
 
 def wound_alike(triangles: Ints) -> tuple[Ints, int]:

@@ -15,14 +15,8 @@ from v3dcad.geometry.mesh.bodies import (
     wound_alike,
 )
 from v3dcad.geometry.mesh.holes import patch, rims_of
-from v3dcad.geometry.mesh.mending import near_welded, without_odd_edges
-from v3dcad.geometry.mesh.section import mesh_edges
+from v3dcad.geometry.mesh.mending import near_welded, without_doubles, without_inner_sheets
 from v3dcad.model import Floats, Ints, Mesh
-
-BEYOND = (
-    "what is left cannot be repaired here; remesh it where it was made, or in a mesh editor, and "
-    "export it again"
-)
 
 FLAT = 1e-12
 """Share of the cube over a mesh's diagonal: what encloses less has no inside."""
@@ -33,21 +27,28 @@ def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
 
     Exactly equal vertices are welded, and near ones at open edges; two triangles that lie on each
     other back to back, as where bodies share a face, both go. Triangles are made to wind alike,
-    inverted bodies turned, overlapping bodies united; with `repair` holes are closed. One finding
-    (a sentence) for each change that may matter. `GeometryError`, with counts and positions, where
-    the mesh has no triangle, a vertex that is not finite, holes or edges of an odd number of
-    triangles (and `repair` is not given), or encloses nothing.
+    inverted bodies turned, overlapping bodies united. With `repair` more corners are welded, fins
+    and walls inside dropped, and all holes closed. One finding (a sentence) for each change that
+    may matter. `GeometryError`, with counts and positions, where the mesh has no triangle, a vertex
+    that is not finite, a one-sided surface, encloses nothing, or, without `repair`, is open.
     """
     findings: list[str] = []
     vertices, triangles = _welded(mesh, findings)
-    triangles = near_welded(vertices, triangles, findings)
+    triangles = without_doubles(vertices, triangles, findings)
+    triangles = near_welded(vertices, triangles, findings, repair=repair)
     if repair:
-        triangles = without_odd_edges(triangles, findings)
-    _count_uses(vertices, triangles, repair)
+        triangles = without_inner_sheets(vertices, triangles, findings)
+    else:
+        _refuse_open(vertices, triangles)
     triangles, turned = wound_alike(triangles)
     if turned:
         findings.append(f"turned {turned} triangles that wound against their neighbours")
     rims = rims_of(triangles)
+    if rims and not repair:
+        raise GeometryError(
+            f"the triangles at {sum(map(len, rims))} edges of the mesh do not wind alike, "
+            f"{_where(vertices[rims[0]])}: let --repair close it"
+        )
     if rims:
         patches = np.vstack([patch(vertices, rim) for rim in rims])
         triangles = np.vstack([triangles, patches])
@@ -55,16 +56,12 @@ def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
             f"closed {len(rims)} holes with {_area(vertices, patches):.4g} mm² of triangles"
         )
     triangles = _turned_outward(vertices, triangles, findings)
-    try:
-        mesh_edges(triangles)
-    except GeometryError as error:
-        raise GeometryError(BEYOND) from error
     _refuse_flat(vertices, triangles)
     return _united(Mesh(vertices, triangles), findings), findings
 
 
 def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
-    """Vertices and triangles without equal vertices, collapsed and repeated triangles."""
+    """Vertices and triangles without equal vertices and collapsed triangles."""
     if not len(mesh.triangles):
         raise GeometryError("the mesh has no triangle")
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
@@ -81,56 +78,36 @@ def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
     if len(triangles) < len(mesh.triangles):
         count = len(mesh.triangles) - len(triangles)
         findings.append(f"dropped {count} triangles without area")
-    return vertices, _once(triangles, findings)
+    return vertices, triangles
 
 
-def _once(triangles: Ints, findings: list[str]) -> Ints:
-    """Triangles without repeated ones, and without any two that lie on each other back to back."""
-    ordered = np.sort(triangles, axis=1)
-    _, first, group = np.unique(ordered, axis=0, return_index=True, return_inverse=True)
-    if len(first) == len(triangles):
-        return triangles
-    group = group.ravel()
-    turn = (triangles.argmin(axis=1)[:, None] + np.arange(3)) % 3
-    begun = np.take_along_axis(triangles, turn, axis=1)
-    way = np.where(begun[:, 1] == ordered[:, 1], 1, -1)
-    cancels = (np.bincount(group, way) == 0) & (np.bincount(group) == 2)
-    if cancels.all():  # both sides of every triangle are there: one surface all the same
-        cancels[:] = False
-    repeated = len(triangles) - len(first) - int(cancels.sum())
-    if repeated:
-        findings.append(f"dropped {repeated} repeated triangles")
-    return triangles[np.sort(first[~cancels])]
-
-
-def _count_uses(vertices: Floats, triangles: Ints, repair: bool) -> None:
-    """Refuse edges shared by an odd number, and holes, unless they are to be repaired."""
+def _refuse_open(vertices: Floats, triangles: Ints) -> None:
+    """Raise `GeometryError` for edges that an odd number of triangles share."""
     sides = sides_of(triangles)
     uses = sides.uses()
     boundary, odd = uses == 1, (uses > 2) & (uses % 2 == 1)
-    if not odd.any() and (repair or not boundary.any()):
+    if not boundary.any() and not odd.any():
         return
     faulty = odd if odd.any() else boundary
+    middles = vertices[sides.ends[sides.starts[:-1][faulty]]].mean(axis=1)
     raise GeometryError(
         f"the mesh {'is not closed' if odd.any() else 'is open'}: {int(boundary.sum())} boundary "
-        f"edges and {int((uses > 2).sum())} non-manifold edges, "
-        f"{_where(vertices, sides.ends[sides.starts[:-1][faulty]])}: "
-        + (BEYOND if repair else "close it, or let --repair patch the holes")
+        f"edges and {int((uses > 2).sum())} non-manifold edges, {_where(middles)}: close it, or "
+        "let --repair patch the holes"
     )
 
 
 def _refuse_flat(vertices: Floats, triangles: Ints) -> None:
     """Raise `GeometryError` for a surface without anything inside."""
-    low, high = vertices[triangles.ravel()].min(axis=0), vertices[triangles.ravel()].max(axis=0)
+    size = np.linalg.norm(np.ptp(vertices[triangles.ravel()], axis=0)) if len(triangles) else 0.0
     volumes = signed_volumes(vertices, triangles, bodies_of(triangles))
-    if np.abs(volumes).max(initial=0.0) <= FLAT * np.linalg.norm(high - low) ** 3:
+    if np.abs(volumes).max(initial=0.0) <= FLAT * size**3:
         raise GeometryError("the mesh encloses nothing: it is a sheet without thickness")
 
 
-def _where(vertices: Floats, edges: Ints) -> str:
-    """The positions of the first edges, in words."""
-    middles = vertices[edges].mean(axis=1)
-    shown = ", ".join(f"({x:.4g}, {y:.4g}, {z:.4g})" for x, y, z in middles[:3])
+def _where(points: Floats) -> str:
+    """The first of points (k, 3), mm, in words."""
+    shown = ", ".join(f"({x:.4g}, {y:.4g}, {z:.4g})" for x, y, z in points[:3])
     return f"the first at {shown}"
 
 

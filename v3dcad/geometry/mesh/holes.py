@@ -10,50 +10,74 @@ from __future__ import annotations
 
 import numpy as np
 
-from v3dcad.errors import GeometryError
 from v3dcad.geometry.compiled.arrays import ConstFloatRows, IntRows
 from v3dcad.geometry.compiled.options import ENTRY, compiled
 from v3dcad.geometry.mesh.bodies import arm, sides_of
 from v3dcad.model import Floats, Ints
 
-MAX_RIM_EDGES = 1000
-"""The time for a patch grows with the cube of its rim's edges: about a second for this many."""
+MAX_RIM_EDGES = 500
+"""The time for a patch grows with the cube of its rim's edges: 0.1 s for this many. Longer
+rims are cut in two, and in two again."""
 
 
 def rims_of(triangles: Ints) -> list[Ints]:
-    """Node ids of each hole's rim, in the direction in which a patch has to pass it.
+    """Node ids of the rims of holes, each in the direction in which a patch has to pass it.
 
-    A hole is bounded by edges of only one triangle; triangles must wind alike.
+    An edge that triangles pass k times more one way than the other is on k rims. Since the surplus
+    is the boundary of the triangles, it always parts into closed rims, here such that pass no node
+    twice; with a patch for each of them every edge is passed as often one way as the other.
     """
     sides = sides_of(triangles)
-    lone = sides.starts[:-1][sides.uses() == 1]
-    head, tail = sides.ends[lone].T
+    way = np.where(sides.ends[:, 0] < sides.ends[:, 1], 1, -1)
+    surplus = np.add.reduceat(way, sides.starts[:-1])
+    some = np.flatnonzero(surplus)
+    low, high = np.sort(sides.ends[sides.starts[some]], axis=1).T
+    forward = surplus[some] > 0
+    times = np.abs(surplus[some])
+    start, stop = np.repeat([np.where(forward, high, low), np.where(forward, low, high)], times, 1)
     onward: dict[int, list[int]] = {}
-    for start, stop in zip(tail.tolist(), head.tolist(), strict=True):
-        onward.setdefault(start, []).append(stop)
+    for node, following in zip(start.tolist(), stop.tolist(), strict=True):
+        onward.setdefault(node, []).append(following)
     rims = []
-    for start in tail.tolist():
-        rim, node = [], start
-        while onward.get(node):
-            rim.append(node)
+    for node in start.tolist():
+        path: list[int] = []
+        passed: dict[int, int] = {}
+        while onward[node]:
+            passed[node] = len(path)
+            path.append(node)
             node = onward[node].pop()
-        if rim:
-            rims.append(np.array(rim, np.int64))
+            if node in passed:
+                rims.append(np.array(path[passed[node] :], np.int64))
+                for left in path[passed[node] :]:
+                    del passed[left]
+                del path[len(path) - len(rims[-1]) :]
     return rims
 
 
 def patch(vertices: Floats, rim: Ints) -> Ints:
-    """Triangles (k − 2, 3) of least area that close a rim (k,) of node ids.
+    """Triangles (k − 2, 3) that close a rim (k,) of node ids.
 
-    `GeometryError` where the rim has more than `MAX_RIM_EDGES` edges.
+    Of least area, or, where the rim has more than `MAX_RIM_EDGES` edges, of parts that are.
     """
-    if len(rim) > MAX_RIM_EDGES:
-        x, y, z = vertices[rim].mean(axis=0)
-        raise GeometryError(
-            f"a hole of {len(rim)} edges about ({x:.4g}, {y:.4g}, {z:.4g}) is too long to patch "
-            f"(at most {MAX_RIM_EDGES}): close it where the mesh was made"
-        )
-    return rim[_least_area(vertices[rim])]
+    if len(rim) <= MAX_RIM_EDGES:
+        return rim[_least_area(vertices[rim])]
+    first, last = _shortest_chord(vertices[rim])
+    halves = rim[first : last + 1], np.concatenate([rim[last:], rim[: first + 1]])
+    return np.vstack([patch(vertices, half) for half in halves])
+
+
+def _shortest_chord(points: Floats) -> tuple[int, int]:
+    """Where a rim (k, 3) is cut so that each part has at least a quarter of it: i < j.
+
+    The shortest of the chords between `MAX_RIM_EDGES` of its points, evenly spread.
+    """
+    count = len(points)
+    some = np.arange(MAX_RIM_EDGES) * count // MAX_RIM_EDGES
+    i, j = np.triu_indices(MAX_RIM_EDGES, MAX_RIM_EDGES // 4 + 1)
+    fits = some[j] - some[i] <= count - count // 4
+    i, j = some[i[fits]], some[j[fits]]
+    chord = int(np.argmin(((points[i] - points[j]) ** 2).sum(axis=1)))
+    return int(i[chord]), int(j[chord])
 
 
 @compiled(ENTRY)
