@@ -148,7 +148,7 @@ class Structure(Forms, Views, Pages):
         return printed_overhang(reports)
 
     def _check_limits(self, settings: PrintSettings) -> None:
-        from v3dcad.toolpath.limits import check_cells, check_limits
+        from v3dcad.limits import check_cells, check_limits
 
         size = self.settings.cell_size
         if self.graded is not None:
@@ -226,7 +226,7 @@ class Structure(Forms, Views, Pages):
         """Write G-code, the part in the middle of the bed, and tell what the print takes.
 
         Raises `SettingError` where the part is larger than the printer, or settings do not fit each
-        other (see `toolpath/limits.py`).
+        other (see `limits.py`).
         """
         from v3dcad.formats.gcode.writer import check_fits, write_gcode
         from v3dcad.toolpath.beads import trace

@@ -78,9 +78,9 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
+    from v3dcad.limits import check_cells, check_limits
     from v3dcad.parts import BREP, ONT, STEP, check_readable
     from v3dcad.recipes import known_settings
-    from v3dcad.toolpath.limits import check_cells, check_limits
 
     check_readable(part)
     printing = print_settings(profile, settings)

@@ -8,8 +8,8 @@ import pytest
 
 from v3dcad.errors import SettingError
 from v3dcad.formats.gcode.machine_profile import print_settings, profile_names
+from v3dcad.limits import check_cells, check_limits
 from v3dcad.settings import FillSettings, PrintSettings
-from v3dcad.toolpath.limits import check_cells, check_limits
 
 
 def refused(filling: dict[str, Any], printing: dict[str, Any]) -> SettingError:
