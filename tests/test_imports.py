@@ -31,6 +31,8 @@ MAY_IMPORT = {
     "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
+    "cell_size": INSIDE | {"structure", "toolpath"},
+    "limits": INSIDE | {"toolpath"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
     "forms": INSIDE | RIM | {"files", "sources"},
@@ -41,9 +43,11 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {
+        "cell_size",
         "fields",
         "files",
         "forms",
+        "limits",
         "parts",
         "recipes",
         "report",
@@ -79,6 +83,7 @@ MAY_IMPORT = {
         "exports",
         "files",
         "formats",
+        "limits",
         "ont",
         "options",
         "parts",

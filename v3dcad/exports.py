@@ -84,4 +84,5 @@ def print_lines(printed: dict[str, Any]) -> dict[str, str]:
     return {
         "print time": f"{hours_text(printed['time_s'])}, without heating",
         "filament": f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g",
+        "spans": printed["spans"],
     }

@@ -43,7 +43,7 @@ def tunnel() -> list[Layer]:
 
 
 def skins_of(layers: list[Layer], bottom: int, top: int) -> list[shapely.Geometry]:
-    cuts = [Cut(made, section_area(made.section), True) for made in layers]
+    cuts = [Cut(section_area(made.section), True) for made in layers]
     return [skin for _, skin in shells(cuts, bottom, top)]
 
 
@@ -84,7 +84,7 @@ def test_a_point_is_in_a_skin_if_the_part_ends_near_above_or_below(
 
 def test_layers_below_the_first_are_air() -> None:
     layers = stairs()[:8]
-    cuts = [Cut(made, section_area(made.section), k >= 3) for k, made in enumerate(layers)]
+    cuts = [Cut(section_area(made.section), k >= 3) for k, made in enumerate(layers)]
     solid = [not skin.is_empty for _, skin in shells(cuts, 2, 0)]
     assert solid == [False] * 3 + [True] * 2 + [False] * 3
 

@@ -10,6 +10,7 @@ import shapely
 from v3dcad.model import Diagram, Floats
 from v3dcad.toolpath.perimeters import inset, opened
 from v3dcad.toolpath.scan_lines import ScanLines, gaps
+from v3dcad.toolpath.skins import NOTHING
 
 ANGLES = np.arange(0.0, 180.0, 15.0)
 """Directions of bridges that are tried, degrees."""
@@ -60,16 +61,25 @@ def bridges(
 
     Beads lie `spacing` apart (mm).
     """
-    radius = LEAST_BRIDGE * spacing / 2
     held = below.held()
-    bare = inset(shapely.difference(skin, held.solid), radius)
-    if bare.is_empty:
-        return skin, []
-    grown = inset(bare, -radius - ANCHOR * spacing)
-    rest = opened(shapely.difference(skin, grown), radius)
-    over = shapely.difference(skin, rest)
+    rest, over = resting(skin, held.solid, spacing)
+    if over.is_empty:
+        return rest, []
     parts = [part for part in shapely.get_parts(over) if part.geom_type == "Polygon"]
     return rest, [(part, direction(part, held, spacing)) for part in parts]
+
+
+def resting(
+    skin: shapely.Geometry, solid: shapely.Geometry, spacing: float
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """What of a skin rests on what is `solid` below, and what is a bridge, ends and all."""
+    radius = LEAST_BRIDGE * spacing / 2
+    bare = inset(shapely.difference(skin, solid), radius)
+    if bare.is_empty:
+        return skin, NOTHING
+    grown = inset(bare, -radius - ANCHOR * spacing)
+    rest = opened(shapely.difference(skin, grown), radius)
+    return rest, shapely.difference(skin, rest)
 
 
 def direction(area: shapely.Geometry, held: Held, spacing: float) -> float:

@@ -74,8 +74,7 @@ class Plan:
             yield from self._around()
         depths = perimeter_depths(self.settings, self.spacing)
         self.narrow_area = narrow_area(self.area, depths[0])
-        inner = inset(self.area, depths[-1] + self.spacing / 2)
-        self.foam, skin = parted(inner, self.skin, self.spacing)
+        self.foam, skin = divided(self.area, self.skin, self.settings, self.spacing)
         if self.settings.route == "joined":
             yield from self._in_closed_strokes(depths)
         else:
@@ -182,6 +181,17 @@ class Plan:
 def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
     return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
+
+
+def divided(
+    area: shapely.Geometry, skin: shapely.Geometry, settings: PrintSettings, spacing: float
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """What of a section's area is filled with cells, and with skins, inside the perimeters.
+
+    `skin` is what must be solid; beads lie `spacing` apart (mm).
+    """
+    depth = perimeter_depths(settings, spacing)[-1]
+    return parted(inset(area, depth + spacing / 2), skin, spacing)
 
 
 def narrow_area(area: shapely.Geometry, depth: float) -> float:

@@ -10,7 +10,9 @@ import numpy as np
 from v3dcad.geometry import arcs
 from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.first_layer import stand_width, stands_badly
+from v3dcad.toolpath.overhang import Hanging
 from v3dcad.toolpath.plan import Plan
 
 MOST_NAMED = 5
@@ -47,14 +49,22 @@ class LayerReport:
     """how long it takes"""
     hurried: bool
     """whether it takes less than `minimum_layer_time`, even at the slowest speed"""
+    hanging: tuple[Hanging, ...]
+    """what hangs over the layer below, for each kind of beads of which some does"""
 
 
 def layer_report(
-    toolpath: Toolpath, before: Floats, strokes: int, plan: Plan, seconds: float, level: float
+    toolpath: Toolpath,
+    before: Floats,
+    strokes: int,
+    plan: Plan,
+    seconds: float,
+    level: float,
+    hanging: tuple[Hanging, ...],
 ) -> LayerReport:
     """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to.
 
-    Its beads end at `level`, mm above the bed; 0 below the first layer.
+    Its beads end at `level`, mm above the bed; 0 below the first layer. Some are `hanging`.
     """
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
@@ -76,6 +86,7 @@ def layer_report(
         stand_width=stand_width(plan.area) if plan.first and level else 0.0,
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
+        hanging=hanging,
     )
 
 
@@ -103,7 +114,8 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
     hurried: list[LayerReport] = []
     stand: LayerReport | None = None
     height = largest = 0.0
-    for report in reports:
+    told = list(reports)
+    for report in told:
         for site in report.narrow_cells:
             narrow.setdefault(site, []).append(report.layer)
         unreached += report.narrow_area
@@ -113,7 +125,7 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
         height, largest = max(height, report.level), max(largest, report.area)
         if report.hurried:
             hurried.append(report)
-    found = []
+    found = printed_overhang(told).findings()
     if stand and stands_badly(stand.area, stand.stand_width, height, largest):
         found.append(
             f"the part stands on {stand.area:.3g} mm², {stand.stand_width:.2g} mm wide, and is "

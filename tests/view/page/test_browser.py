@@ -175,6 +175,8 @@ def test_a_cell_that_is_not_there_is_told(page: Shown) -> None:
         "There is no cell 99999: click one in the part."
     )
     assert page.state("cell") == -1
+    page.tab.locator("#canvas").click(position={"x": 5, "y": 5})
+    assert page.tab.locator("#message").is_hidden()
 
 
 def test_toolpath_and_layers_go_together(page: Shown) -> None:
@@ -328,8 +330,8 @@ def test_walls_of_a_layer_reach_from_its_lower_to_its_upper_end(page: Shown) -> 
     page.run("() => v3dcad.stage.look([0, -1, 0])")
     page.settle()
     different = np.abs(page.picture() - background).max(axis=2) > 24
-    rows = np.flatnonzero(different[:-10].any(axis=1))  # the last are the border below
-    canvas = page.tab.locator("#canvas").bounding_box()["y"]
+    canvas, footer = (page.tab.locator(one).bounding_box()["y"] for one in ("#canvas", "footer"))
+    rows = np.flatnonzero(different[: int(footer - canvas) - 2].any(axis=1))
     nearest, farthest = v3dcad.place_on_bed(SAMPLE).bounds[:, 1].tolist()
     top, bottom = (
         page.on_screen((0.0, y, z))[1] - canvas for y, z in ((farthest, 2.0), (nearest, 0.0))
