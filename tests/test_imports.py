@@ -96,6 +96,7 @@ MAY_IMPORT = {
         "view",
         "warm_up",
         "watched",
+        "toolpath",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors", "version"},
@@ -245,7 +246,7 @@ def test_triangles_need_no_kernel_and_the_default_route_no_matching(
 ) -> None:
     loaded = loaded_by(
         "import v3dcad\n"
-        f"structure = v3dcad.fill({str(samples / 'pyramid.stl')!r}, layer_height=5)\n"
+        f"structure = v3dcad.fill({str(samples / 'pyramid.stl')!r}, layer_height=0.4)\n"
         f"structure.write_ont({str(tmp_path / 'a.ont')!r})\n"
         f"structure.write_gcode({str(tmp_path / 'a.gcode')!r})"
     )

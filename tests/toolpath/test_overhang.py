@@ -226,7 +226,7 @@ def test_an_arch_closes_by_itself_until_its_crown() -> None:
     half = np.sqrt(np.maximum(25 - (0.2 * found.layer + 0.1) ** 2, 0))
     steps = np.concatenate([[0], -np.diff(half)])
     rests = steps < PrintSettings().bead_width / 2
-    assert found.length[rests, 0].max() < 1  # of 160 mm
+    assert found.length[rests, 0].max() < 4  # of 160 mm: links
     assert found.length[~rests & (found.layer < 25), 0].min() > 30
     assert spans[crown - 1] > 19  # the last beads along the sides have nothing under them
     assert spans[crown] == pytest.approx(2 * half[crown - 1], abs=0.05)
@@ -266,7 +266,7 @@ def test_long_spans_are_told_with_place_and_help() -> None:
 
 def test_where_all_rests_that_is_said() -> None:
     found = certificate([slab(k, box(-6, 6, 6)) for k in range(5)], open=True)
-    assert found.line().startswith("none: every bead touches the last; 0.")
+    assert found.line().startswith("none: every bead touches the last; ")
     assert printed_overhang([]).line() == "none: every bead touches the last"
     assert found.findings() == []
     assert found.span.shape == found.length.shape == (5, 4)
