@@ -21,7 +21,6 @@ from v3dcad.formats.mesh.threemf_reader import MODEL
 from v3dcad.formats.mesh.threemf_roles import PRUSA
 from v3dcad.model import Floats, Mesh
 from v3dcad.settings import PrintSettings
-from v3dcad.version import VERSION
 
 XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -116,7 +115,7 @@ def _model(part: Mesh, foam: Mesh, x: float, y: float) -> str:
         f'<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}" '
         f'xmlns:slic3rpe="{SLIC3R}">\n'
         f'<metadata name="slic3rpe:Version3mf">{SLIC3R_VERSION}</metadata>\n'
-        f'<metadata name="Application">v3dcad {VERSION}, project for PrusaSlicer</metadata>\n'
+        '<metadata name="Application">v3dcad, a project for PrusaSlicer</metadata>\n'
         '<resources>\n<object id="1" type="model">\n<mesh>\n<vertices>\n'
         f"{_vertices(part.vertices)}{_vertices(foam.vertices)}</vertices>\n<triangles>\n"
         f"{_triangles(part, 0)}{_triangles(foam, len(part.vertices))}</triangles>\n</mesh>\n"
