@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,6 +20,7 @@ from v3dcad.view.targets.whole import edge_tilts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
 MOST_WALLS, MOST_LAYERS = 75_000, 100
@@ -114,45 +115,59 @@ def draw(
     they are wanted `whole`. With `tilts` each wall has the colour of how far it leans, on the scale
     that is returned.
     """
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
 
-    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
     eye = eye_on(part, from_top)
     corner = None if whole else eye.middle[:2]
+    bottom, top = float(part.vertices[:, 2].min()), float(part.vertices[:, 2].max())
     leans = [edge_tilts(layer) if tilts else np.zeros(len(layer.diagram.edges)) for layer in layers]
     scale = Scale("tilt", "°", 0.0, max(map(_greatest, leans), default=0.0)) if tilts else None
-    paints: list[Paint] = []
-    sides = [np.empty((0, 2, 3))]
-    for place, layer in enumerate(layers):
-        above = layers[place + 1] if place + 1 < len(layers) else None
-        floor, ceiling = layer.z + base, float(high[2]) if above is None else above.z + base
-        span = floor, max(floor, ceiling)
-        walls = wall_strips(layer, span, leans[place], corner)
-        contours = contour_strips(layer, span, FINE * eye.size)
-        paints.append(_painted(walls, contours, above, eye, scale))
-        sides.append(walls.sides())
+    spans = _spans(layers, base, top)
+    walls = [
+        wall_strips(layer, span, lean, corner)
+        for layer, span, lean in zip(layers, spans, leans, strict=True)
+    ]
     if layers:
-        axes.add_patch(_floor(layers[0], float(low[2]), eye))
-        paint = Paint(*map(np.concatenate, zip(*paints, strict=True)))
-        strips = PolyCollection(
-            paint.corners,  # type: ignore[arg-type]
-            facecolors=paint.faces,
-            edgecolors=paint.edges,
-            linewidths=WIDTH,
-            joinstyle="round",
-            rasterized=True,
-        )
-        axes.add_collection(strips, autolim=False)
+        axes.add_patch(_floor(layers[0], bottom, eye))
+        painted = [
+            _painted(strips, contour_strips(layer, span, FINE * eye.size), above, eye, scale)
+            for layer, span, strips, above in zip(
+                layers, spans, walls, [*layers[1:], None], strict=True
+            )
+        ]
+        axes.add_collection(_polygons(painted), autolim=False)
     # The quarter that is cut away is the nearest to the eye: nothing hides what it lays open.
-    for lines, colour, width in (
-        (np.concatenate(sides), INK, 1.4),
-        (outline(part, eye), OUTLINE, 0.8),
-    ):
+    sides = np.concatenate([np.empty((0, 2, 3)), *(strips.sides() for strips in walls)])
+    for lines, colour, width in ((sides, INK, 1.4), (outline(part, eye), OUTLINE, 0.8)):
         flat, _ = eye.seen(lines)
         drawn = LineCollection(list(flat), colors=[colour], linewidths=width, capstyle="round")
         axes.add_collection(drawn, autolim=False)
     _fit(axes, eye.seen(part.vertices)[0])
     return scale
+
+
+def _spans(layers: Sequence[Layer], base: float, top: float) -> list[tuple[float, float]]:
+    """From where to where layers reach, mm: up to the next, and the last up to the part's top."""
+    floors = [layer.z + base for layer in layers]
+    return [
+        (floor, max(floor, ceiling))
+        for floor, ceiling in zip(floors, [*floors[1:], top], strict=False)
+    ]
+
+
+def _polygons(painted: Iterable[Paint]) -> PolyCollection:
+    """Polygons as matplotlib paints them, one after the other."""
+    from matplotlib.collections import PolyCollection
+
+    paint = Paint(*map(np.concatenate, zip(*painted, strict=True)))
+    return PolyCollection(
+        paint.corners,  # type: ignore[arg-type]
+        facecolors=paint.faces,
+        edgecolors=paint.edges,
+        linewidths=WIDTH,
+        joinstyle="round",
+        rasterized=True,
+    )
 
 
 def _fit(axes: Axes, points: Floats) -> None:
