@@ -23,7 +23,8 @@ from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.report import LayerReport
 
 LAYER_HEIGHT = 0.2
-ROUTES: dict[str, dict[str, Any]] = {"joined": {}, "least-retrace": {"perimeters": 1}}
+WALLS: dict[int, dict[str, Any]] = {2: {}, 1: {"perimeters": 1}}
+"""Beads to a wall, and print settings with them."""
 
 
 def parts() -> dict[str, Any]:
@@ -52,10 +53,10 @@ def fullness(path: Toolpath, spacing: float) -> float:
     return float(path.volume.sum() / LAYER_HEIGHT / filled.area)
 
 
-def row(name: str, part: Any, route: str) -> str:
-    """One part's figures by one route."""
+def row(name: str, part: Any, wall_beads: int) -> str:
+    """One part's figures with so many beads to a wall."""
     layers = list(v3dcad.fill(part, layer_height=LAYER_HEIGHT).layers)
-    options = PrintSettings(route=route, skirt_loops=0, **ROUTES[route])
+    options = PrintSettings(wall_beads=wall_beads, skirt_loops=0, **WALLS[wall_beads])
     reports: list[LayerReport] = []
     began = time.process_time()
     paths = list(trace(layers, options, reports.append))
@@ -68,7 +69,7 @@ def row(name: str, part: Any, route: str) -> str:
     extruded = sum(report.extruded for report in reports)
     cells = (
         name,
-        route,
+        str(wall_beads),
         f"{np.mean([report.strokes - 1 for report in printed]):.2f}",
         f"{sum(report.retraced for report in reports) / extruded:.1%}",
         f"{np.mean(full) - 1:.1%}",
@@ -84,11 +85,11 @@ def row(name: str, part: Any, route: str) -> str:
 
 def main() -> None:
     """Print the table."""
-    columns = "part route stops retrace overfill worst under_0.1 least_s hours g trace_ms"
+    columns = "part wall_beads stops retrace overfill worst under_0.1 least_s hours g trace_ms"
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for name, part in parts().items():
-        for route in ROUTES:
-            print(row(name, part, route), flush=True)
+        for wall_beads in WALLS:
+            print(row(name, part, wall_beads), flush=True)
 
 
 if __name__ == "__main__":

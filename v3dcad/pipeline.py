@@ -140,7 +140,8 @@ class Structure(Forms, Views, Pages):
         from v3dcad.toolpath.report import LayerReport
 
         reports: list[LayerReport] = []
-        for _ in trace(self.layers, settings or PrintSettings(), reports.append):
+        thesis = self.settings.method == "thesis"
+        for _ in trace(self.layers, settings or PrintSettings(), reports.append, thesis=thesis):
             pass
         return printed_overhang(reports)
 
@@ -219,7 +220,8 @@ class Structure(Forms, Views, Pages):
         settings = settings or PrintSettings()
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
-        toolpaths = trace(self.layers, settings, reports.append)
+        thesis = self.settings.method == "thesis"
+        toolpaths = trace(self.layers, settings, reports.append, thesis=thesis)
         with (
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,
