@@ -2,8 +2,8 @@
 
 Run `python -m benchmarks.gyroid`, where `prusa-slicer` is installed. Both print the same shells
 (two perimeters, four solid layers) with the same beads, speeds, retraction, cooling and one
-acceleration. PrusaSlicer's density is changed until both files take the same filament. The times of
-both files are told by `v3dcad.formats.gcode.reader`, which knows neither slicer.
+acceleration. PrusaSlicer's density is changed until both files take the same filament. The times
+of both files are told by `v3dcad.formats.gcode.reader`, which knows neither slicer.
 """
 
 from __future__ import annotations

@@ -100,9 +100,9 @@ def write_graded(name: str) -> None:
     for axes, (title, field) in zip(panels, GRADED.items(), strict=True):
         made = pole(cell_size=field)
         panel(axes, vertical_cut(made), (-SIDE / 2, 0.0), title)
-        sizes = field(*made.filling.sites.T)[made.filling.nearest(points)].reshape(x.shape)
+        sizes = field(*made.filling.sites.T)[made.filling.foam.nearest(points)].reshape(x.shape)
         shown = axes.imshow(
-            sizes, colours, vmin=FINE, vmax=COARSE, alpha=0.5, origin="lower",
+            sizes, colours, vmin=FINE, vmax=COARSE, alpha=0.6, zorder=1.5, origin="lower",
             extent=(-SIDE / 2, SIDE / 2, 0, HEIGHT), aspect="equal",
         )  # fmt: skip
     figure.colorbar(shown, ax=panels, label="size asked for, mm", shrink=0.7)

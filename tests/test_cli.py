@@ -47,7 +47,9 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
     assert stop.value.code == 2
     said = capsys.readouterr().err
     begun, _, rest = said.partition("\n")
-    said = rest if begun.startswith(("filling ", "cutting ")) else said  # found while at work
+    said = (
+        rest if begun.startswith(("filling ", "cutting ", "drawing ")) else said
+    )  # found while at work
     said = said.removeprefix(f"{NOTICE}\n")
     assert said.count("\n") == 1, said
     assert said.startswith("v3dcad: ")
@@ -55,7 +57,7 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
 
 
 def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None:
-    done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 4)
+    done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 0.4)
     assert done.returncode == 0, done.stderr
     assert done.stderr.replace(f"{NOTICE}\n", "") == "filling bracket.step\n"
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
@@ -65,7 +67,7 @@ def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None
     again = run("fill", tmp_path / "out" / "bracket.ont", "--report", tmp_path / "again.json")
     assert again.returncode == 0, again.stderr
     told = run("info", tmp_path / "out" / "bracket.ont")
-    assert "4 mm" in told.stdout
+    assert "0.4 mm" in told.stdout
 
 
 def test_the_summary_says_what_the_report_says(samples: Path, tmp_path: Path) -> None:
@@ -133,15 +135,18 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--layer-height", 0], "--layer-height 0.0: give a number above 0 mm"),
         (["--layer-height", -1], "--layer-height -1"),
         (["--layer-height", "nan"], "finite"),
-        (["--layer-height", 99], "only 30 mm high"),
+        (["--layer-height", 0.5], "give at most 0.4"),
         (["--method", "thesis", "--sites", 0], "--sites 0: give a number of at least 1"),
         (["--method", "thesis", "--offset", -0.1], "--offset -0.1"),
         (["--method", "thesis", "--offset", "much"], "--offset 'much': give a number or auto"),
         (["--cell-size", 0], "--cell-size 0.0: give a number above 0 mm"),
         (["--cell-size", "small"], "'small' is not known; give a number, auto, or an expression"),
         (["--cell-size", 50], "--cell-size 50: larger than the part"),
-        (["--cell-size", 0.0001], "--cell-size 0.0001: the grid of a part of 40"),
-        (["--cell-size", 0.05], "cells are more than memory holds"),
+        (["--cell-size", 0.5], "--cell-size 0.5: cells smaller than two beads of 0.45 mm"),
+        (["--bead-width", 1.2], "--bead-width 1.2: a nozzle of 0.4 mm lays beads of 0.24 to 1 mm"),
+        (["--travel-speed", 600], "--travel-speed 600: more than the 500 mm/s of the machine"),
+        (["--profile", "prusa-mk3s", "--travel-speed", 250], "more than the 200 mm/s of"),
+        (["--print-speed", 250], "take 20.4 mm³/s, and the hot end melts 15"),
         (["--stretch", 1.1], "--stretch 1.1: walls would lean more than 45°; give at least 1.25"),
         (["--stretch", 0.5], "--stretch 0.5: give a number of at least 1"),
         (["--stretch", "tall"], "--stretch 'tall': give a number or auto or columns"),
@@ -178,6 +183,26 @@ def test_settings_out_of_range(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     said = mistake(capsys, "fill", samples / "cone.step", "--out", tmp_path / "out", *words)
+    assert says in said
+    assert not list(tmp_path.rglob("*.*")), "something was left behind"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--layer-height", 99], "only 30 mm high"),
+        (["--cell-size", 0.0001], "--cell-size 0.0001: the grid of a part of 40"),
+        (["--cell-size", 0.05], "cells are more than memory holds"),
+    ],
+)
+def test_what_no_structure_can_have(
+    words: list[object],
+    says: str,
+    samples: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    said = mistake(capsys, "fill", samples / "cone.step", "--ont", tmp_path / "a.ont", *words)
     assert says in said
     assert not list(tmp_path.rglob("*.*")), "something was left behind"
 
@@ -391,14 +416,14 @@ def test_what_forms_refuse(
 
 def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
     gcode = tmp_path / "a.gcode"
-    done = run("fill", samples / "cone.step", "--layer-height", 5, "--gcode", gcode)
+    done = run("fill", samples / "cone.step", "--layer-height", 0.4, "--gcode", gcode)
     assert done.returncode == 0, done.stderr
     told = json.loads(run("gcode", "info", gcode, "--json").stdout)
-    assert told["layers"] == 6
+    assert told["layers"] == 75
     assert told["time_s"] > 60
     assert run("nc", "template", gcode, "--out", tmp_path / "p.toml").returncode == 0
     again = ("--gcode", tmp_path / "b.gcode", "--profile", tmp_path / "p.toml")
-    assert run("fill", samples / "cone.step", "--layer-height", 5, *again).returncode == 0
+    assert run("fill", samples / "cone.step", "--layer-height", 0.4, *again).returncode == 0
     adjusted = run("nc", "adjust", gcode, tmp_path / "c.gcode", "--retraction", 1)
     assert "hops" in adjusted.stdout
 

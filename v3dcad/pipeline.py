@@ -133,17 +133,32 @@ class Structure(Forms, Views, Pages):
     def printed_overhang(self, settings: PrintSettings | None = None) -> PrintedOverhang:
         """The certificate of a print: what of its beads hangs over the layer below, and where.
 
-        Traces all layers. Raises `GeometryError` where beads span more than `fail_over`.
+        Traces all layers. Raises `GeometryError` where beads span more than `fail_over`,
+        `SettingError` where the structure cannot be printed so.
         """
         from v3dcad.toolpath.beads import trace
         from v3dcad.toolpath.certificate import printed_overhang
         from v3dcad.toolpath.report import LayerReport
 
+        settings = settings or PrintSettings()
+        self._check_limits(settings)
         reports: list[LayerReport] = []
         thesis = self.settings.method == "thesis"
-        for _ in trace(self.layers, settings or PrintSettings(), reports.append, thesis=thesis):
+        for _ in trace(self.layers, settings, reports.append, thesis=thesis):
             pass
         return printed_overhang(reports)
+
+    def _check_limits(self, settings: PrintSettings) -> None:
+        from v3dcad.limits import check_cells, check_limits
+
+        size = self.settings.cell_size
+        if self.graded is not None:
+            check_cells(self.graded.asked[1], settings)
+        elif isinstance(size, float | int) and size < auto_cell_size(
+            np.ptp(self.part.bounds, axis=0)
+        ):
+            check_cells(size, settings)
+        check_limits(self.settings, settings)
 
     def properties(
         self, wall_width: float = PrintSettings().wall_width(), density: float = 1.24
@@ -211,13 +226,15 @@ class Structure(Forms, Views, Pages):
     def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> Print:
         """Write G-code, the part in the middle of the bed, and tell what the print takes.
 
-        Raises `SettingError` where the part is larger than the printer.
+        Raises `SettingError` where the part is larger than the printer, or settings do not fit each
+        other (see `limits.py`).
         """
         from v3dcad.formats.gcode.writer import check_fits, write_gcode
         from v3dcad.toolpath.beads import trace
         from v3dcad.toolpath.report import LayerReport, findings
 
         settings = settings or PrintSettings()
+        self._check_limits(settings)
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
         thesis = self.settings.method == "thesis"

@@ -371,6 +371,18 @@ M84
 """
 
 
+def _acceleration(what: str) -> Any:
+    """A setting for the acceleration of one kind of beads."""
+    return setting(
+        "same",
+        f"Acceleration while extruding {what}; same is that of cells.",
+        unit="mm/s²",
+        least=1,
+        most=1_000_000,
+        words=("same",),
+    )
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PrintSettings(Checked):
     """How a structure is printed. The defaults are a stock Ender 3 with an 0.4 mm nozzle and PLA.
@@ -383,6 +395,7 @@ class PrintSettings(Checked):
         "Creality Ender 3 family, 0.4 mm nozzle, PLA",
         "What the G-code is for, as its header says.",
     )
+    nozzle_diameter: float = setting(0.4, "Diameter of the nozzle.", unit="mm", least=0.01, most=20)
     bead_width: float = setting(
         0.45,
         "Width of one extruded bead; a little more than the nozzle's diameter.",
@@ -502,6 +515,9 @@ class PrintSettings(Checked):
     slowest_speed: float = setting(
         10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", least=0.1, most=2000
     )
+    most_speed: float = setting(
+        500.0, "Highest speed of the machine in x and y.", unit="mm/s", least=0.1, most=2000
+    )
     most_flow: float = setting(
         15.0,
         "Most filament that the nozzle melts; it limits speeds.",
@@ -511,8 +527,12 @@ class PrintSettings(Checked):
     )
     z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", least=0.1, most=2000)
     acceleration: float = setting(
-        500.0, "Acceleration of every move.", unit="mm/s²", least=1, most=1_000_000
+        500.0, "Acceleration while extruding cells.", unit="mm/s²", least=1, most=1_000_000
     )
+    perimeter_acceleration: float | str = _acceleration("perimeters")
+    solid_acceleration: float | str = _acceleration("solid layers")
+    bridge_acceleration: float | str = _acceleration("solid layers over air and cells")
+    travel_acceleration: float | str = _acceleration("nothing")
     corner_speed: float = setting(
         8.0, "Speed at which a right-angled corner is taken.", unit="mm/s", least=0, most=2000
     )
@@ -522,6 +542,15 @@ class PrintSettings(Checked):
     )
     filament_density: float = setting(
         1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", least=0.01, most=25
+    )
+    pressure_advance: float | str = setting(
+        "off",
+        "How far the filament is fed ahead when the speed rises: K of M900 (Marlin), S of M572 "
+        "(RepRapFirmware), ADVANCE of Klipper; off leaves the printer's own.",
+        unit="s",
+        least=0,
+        most=10,
+        words=("off",),
     )
     retraction: float = setting(
         5.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
@@ -612,6 +641,21 @@ class PrintSettings(Checked):
         """Whether the filament is pulled back before a travel."""
         return self.retraction > 0 or self.retraction_by == "firmware"
 
+    def acceleration_of(self, what: str) -> float:
+        """Acceleration of perimeter, solid, bridge or travel, mm/s²."""
+        value = getattr(self, f"{what}_acceleration")
+        return self.acceleration if isinstance(value, str) else float(value)
+
+    def switches_for_travel(self) -> bool:
+        """Whether each travel must be told its acceleration: Klipper has one for all moves."""
+        extruding = (self.acceleration_of(what) for what in ("perimeter", "solid", "bridge"))
+        same = {self.acceleration, self.acceleration_of("travel"), *extruding}
+        return self.flavour == "klipper" and len(same) > 1
+
+    def counts_from_before(self) -> bool:
+        """Whether filament is counted from the move before; Klipper's arcs know no other way."""
+        return self.extrusion == "relative" or (self.arcs and self.flavour == "klipper")
+
     def filament_area(self) -> float:
         """Cross-section of the filament, mm²."""
         return math.pi / 4 * self.filament_diameter**2
@@ -632,7 +676,9 @@ class ExportSettings(Checked):
         choices=("wires", "faces", "cells", "solid", "struts", "beads"),
     )
     threemf_as: str = setting(
-        "beams", "What the 3MF file holds.", choices=("beams", "solid", "struts", "beads")
+        "beams",
+        "What the 3MF file holds; project is for slicers: the part, its foam a modifier in it.",
+        choices=("beams", "solid", "struts", "beads", "project"),
     )
     stl_as: str = setting(
         "walls", "What the STL file holds.", choices=("walls", "solid", "struts", "beads")
@@ -645,7 +691,7 @@ class ExportSettings(Checked):
 
     def sizes(self, form: str, bead_width: float) -> dict[str, Any]:
         """What a form of `Structure.write_step` and its like takes."""
-        if form == "solid":
+        if form in ("solid", "project"):
             return {"thickness": self.thickness}
         if form in ("struts", "beams"):
             return {"diameter": self.diameter}

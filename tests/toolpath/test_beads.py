@@ -27,7 +27,8 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import bead_area, trace
+from v3dcad.toolpath.bead import bead_area
+from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.report import LayerReport, findings
 
 THESIS = pytest.mark.parametrize("thesis", [False, True])

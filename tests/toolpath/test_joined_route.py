@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -15,7 +16,16 @@ from hypothesis import strategies as st
 from v3dcad.geometry.loops.corners import links_rounded
 from v3dcad.geometry.loops.joining import LINK, Curves, Linked, joined
 from v3dcad.geometry.loops.loops import Loops
-from v3dcad.model import EXTRUDE, PERIMETER, Floats, Ints, Layer, Section, Toolpath
+from v3dcad.model import (
+    EXTRUDE,
+    INNER_PERIMETER,
+    PERIMETER,
+    Floats,
+    Ints,
+    Layer,
+    Section,
+    Toolpath,
+)
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.cell_loops import cell_loops
@@ -252,6 +262,17 @@ def test_hardly_a_segment_is_shorter_than_a_tenth() -> None:
     paths, _ = traced(stack(3, 100, 30), minimum_edge=0.1)
     steps = np.concatenate([extruded(path) for path in paths])
     assert (np.hypot(*(steps[:, 1] - steps[:, 0]).T) < 0.1).mean() < 0.005
+
+
+def test_a_curve_is_entered_at_a_corner_where_one_is_near() -> None:
+    """The nozzle steps into it anywhere; no shorter step is made there, nor where it closes."""
+    made = [layer(scattered(20, 10, 3), replace(disc(10), z=0.2 * k), k) for k in range(20)]
+    least = PrintSettings().minimum_edge
+    for path in traced(made, seam="scattered")[0]:
+        inner = path.feature == INNER_PERIMETER
+        lengths = np.hypot(*np.diff(path.points[:, :2], axis=0).T)[inner[1:]]
+        assert len(lengths) > 20
+        assert lengths.min() > least - 1e-9
 
 
 def test_what_is_too_thin_for_cells_has_its_perimeters() -> None:

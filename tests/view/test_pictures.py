@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -12,7 +13,10 @@ import matplotlib
 import numpy as np
 import pytest
 import shapely
+import trimesh
+from PIL import Image
 
+import v3dcad
 from tests.view.references import LAYER, channels, picture, pyramid, small, stored_picture
 from tests.view.similarity import similarity
 from v3dcad import PrintSettings
@@ -198,6 +202,26 @@ def test_names_are_text_whatever_letters_they_have() -> None:
     part = replace(pyramid().part, name=name)  # type: ignore[type-var]
     drawn = words(replace(pyramid(), part=part).picture("layer", LAYER, kind="svg"))
     assert name in drawn
+
+
+def block(*size: float) -> trimesh.Trimesh:
+    return trimesh.creation.box(size)
+
+
+def size_of(picture: bytes) -> tuple[int, int]:
+    """Pixels: how wide and tall a PNG is."""
+    return Image.open(io.BytesIO(picture)).size
+
+
+def test_pictures_are_as_tall_as_what_they_show() -> None:
+    square = v3dcad.fill(block(80, 80, 6), layer_height=2.0, cell_size=10.0)
+    strip = v3dcad.fill(block(80, 20, 6), layer_height=2.0, cell_size=10.0)
+    whole, flat = (size_of(one.picture("layer")) for one in (square, strip))
+    assert whole == (1200, 1200)
+    assert flat[0] == 1200
+    assert flat[1] < 800
+    assert size_of(strip.picture())[1] < 1000
+    assert size_of(strip.thumbnail(100)) == (100, 100)
 
 
 def test_of_very_many_layers_some_are_drawn_and_the_title_says_so(

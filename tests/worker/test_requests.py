@@ -29,6 +29,7 @@ pytestmark = pytest.mark.slow
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}
 THESIS = {"method": "thesis", "sites": 12, "layer_height": 3.0}
+WIDE = {"nozzle_diameter": 3.0, "bead_width": 3, "most_flow": 1000.0}
 COLUMNS = {"layer_height": 3.0, "stretch": "columns"}
 
 
@@ -88,8 +89,9 @@ def test_a_fill_is_that_of_the_command_line(worker: Worker, cone: Path, tmp_path
 
 
 def test_what_hangs_is_that_of_python(worker: Worker, cone: Path) -> None:
-    told = worker.get("overhang", source=str(cone), settings=SETTINGS, print={"top_layers": 2})
-    found = v3dcad.fill(cone, **SETTINGS).printed_overhang(PrintSettings(top_layers=2))
+    fine = {"cell_size": 8.0, "layer_height": 0.4}
+    told = worker.get("overhang", source=str(cone), settings=fine, print={"top_layers": 2})
+    found = v3dcad.fill(cone, **fine).printed_overhang(PrintSettings(top_layers=2))
     assert told["kinds"] == list(found.kinds)
     assert told["certificate"] == found.line()
     assert told["findings"] == found.findings()
@@ -98,9 +100,7 @@ def test_what_hangs_is_that_of_python(worker: Worker, cone: Path) -> None:
         for name in arrays:
             np.testing.assert_array_equal(arrays[name], getattr(found, name))
     assert found.span.max() > 2
-    said, _ = worker.refused(
-        "overhang", source=str(cone), settings=SETTINGS, print={"fail_over": 0.5}
-    )
+    said, _ = worker.refused("overhang", source=str(cone), settings=fine, print={"fail_over": 0.5})
     assert "more than --fail-over 0.5" in said
 
 
@@ -216,7 +216,7 @@ def test_forms_are_those_of_python(
         ("a.ont", {}),
         ("a.stl", {"form": "struts", "diameter": 2.0}),
         ("a.brep", {"form": "faces"}),
-        ("a.gcode", {"print": {"bead_width": 1}, "profile": "ender3v2"}),
+        ("a.gcode", {"print": WIDE, "profile": "ender3v2"}),
         ("a.svg", {"svg_layer": 2}),
     ],
 )
@@ -242,7 +242,7 @@ def test_exports_are_the_files_of_python(
         case ".gcode":
             from v3dcad.formats.gcode.machine_profile import read_profile
 
-            printing = PrintSettings(**{**read_profile("ender3v2"), "bead_width": 1.0})
+            printing = PrintSettings(**{**read_profile("ender3v2"), **WIDE})
             structure.write_gcode(expected, printing)
             assert any(line.startswith("filament: ") for line in said["lines"])
     assert file.read_bytes() == expected.read_bytes()

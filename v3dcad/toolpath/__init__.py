@@ -14,6 +14,8 @@ seam        where outermost perimeters begin
 plan        which strokes a layer has, in which order
 travel      ways inside the part
 cooling     short layers printed slower
+bead        the cross-section of a bead
+limits      settings that nozzle, hot end, machine and cells do not allow
 beads       `trace`: layers to toolpaths
 plastic     how much plastic layers take, from some of them
 overhang    what of the beads has nothing under it, layer by layer

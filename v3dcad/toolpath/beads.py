@@ -28,6 +28,7 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bead import bead_areas, bead_spacing
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
@@ -108,32 +109,6 @@ def trace(
             f"nothing of the part is printed: all of it is narrower than beads of "
             f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
         )
-
-
-def bead_area(width: float, height: float, shape: str) -> float:
-    """Cross-section of a bead, mm²: a rectangle, or one with half-round sides ("rounded").
-
-    The rounded one is as wide and as high as the rectangle around it; where it would be higher
-    than wide, top and bottom are the round ones.
-    """
-    if shape == "rectangle":
-        return width * height
-    low = min(width, height)
-    return low * (max(width, height) - low) + np.pi / 4 * low**2
-
-
-def bead_areas(settings: PrintSettings, height: float, *, first: bool) -> Floats:
-    """(`FEATURES`,) mm²: what is laid for a mm of each feature, on a layer of a `height`, mm."""
-    area = bead_area(settings.bead_width, height, settings.bead_shape)
-    flow = settings.first_layer_flow if first else settings.flow
-    areas = np.full(FEATURES, area * flow / 100)
-    areas[BRIDGE] = area * settings.bridge_flow / 100
-    return areas
-
-
-def bead_spacing(settings: PrintSettings, height: float) -> float:
-    """How far apart beads fill a layer of a `height` between them, mm."""
-    return bead_area(settings.bead_width, height, settings.bead_shape) / height
 
 
 class Steps(NamedTuple):

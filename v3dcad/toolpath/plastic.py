@@ -27,7 +27,7 @@ from v3dcad.model import (
     Section,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import bead_areas, bead_spacing
+from v3dcad.toolpath.bead import bead_areas, bead_spacing
 from v3dcad.toolpath.bridging import resting
 from v3dcad.toolpath.first_layer import cuts
 from v3dcad.toolpath.plan import Plan, divided

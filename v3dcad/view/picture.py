@@ -91,6 +91,12 @@ def choose(layers: Sequence[Layer], most: int | None = None) -> Chosen:
     return Chosen(chosen, step, int(np.count_nonzero(seen[:-1])), step > needed)
 
 
+def eye_on(part: Mesh, from_top: bool) -> Eye:
+    """The eye that looks at a part."""
+    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
+    return Eye((low + high) / 2, float(np.linalg.norm(high - low)), ON_TOP if from_top else ABOVE)
+
+
 def draw(
     axes: Axes,
     layers: Sequence[Layer],
@@ -111,7 +117,7 @@ def draw(
     from matplotlib.collections import LineCollection, PolyCollection
 
     low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
-    eye = Eye((low + high) / 2, float(np.linalg.norm(high - low)), ON_TOP if from_top else ABOVE)
+    eye = eye_on(part, from_top)
     corner = None if whole else eye.middle[:2]
     leans = [edge_tilts(layer) if tilts else np.zeros(len(layer.diagram.edges)) for layer in layers]
     scale = Scale("tilt", "°", 0.0, max(map(_greatest, leans), default=0.0)) if tilts else None

@@ -16,6 +16,7 @@ from v3dcad.toolpath.beads import trace
 
 def test_profiles_that_come_along() -> None:
     assert profile_names() == [
+        "bambu-p1",
         "ender3v2",
         "generic-klipper",
         "generic-marlin",
@@ -102,7 +103,7 @@ def test_bad_content(tmp_path: Path, content: bytes, message: str) -> None:
 
 
 def test_no_such_profile() -> None:
-    with pytest.raises(FormatError, match=r"ender4: cannot be read .*or one of ender3v2"):
+    with pytest.raises(FormatError, match=r"ender4: cannot be read .*or one of bambu-p1, ender3v2"):
         read_profile("ender4")
 
 

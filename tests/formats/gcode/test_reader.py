@@ -83,7 +83,7 @@ def test_the_longest_arc_is_read_in_few_steps(read, monkeypatch: pytest.MonkeyPa
         return move_seconds(steps, *rest)
 
     monkeypatch.setattr("v3dcad.formats.gcode.reader.move_seconds", counted)
-    found = read("M83\nG1 X1e6 Y0 Z1 F600\nG3 X-1e6 I-1e6 E1\n")
+    found = read("M83\nG1 X1000000 Y0 Z1 F600\nG3 X-1000000 I-1000000 E1\n")
     assert found.extruded_mm == pytest.approx(math.pi * 1e6, rel=1e-4)
     assert sum(planned) <= 1 + MAX_ARC_STEPS
 

@@ -497,3 +497,67 @@ def test_retractions_are_in_the_file_as_traced() -> None:
     pulled = sum(int(np.count_nonzero(path.kind == RETRACT)) for path in paths)
     text, _ = written(stack(2, 20), thesis=True, retraction=0.8, extrusion="relative")
     assert text.count("E-0.8") == pulled > 3
+
+
+ACCELERATIONS = {
+    "acceleration": 1000.0,
+    "perimeter_acceleration": 500.0,
+    "solid_acceleration": 800.0,
+    "bridge_acceleration": 800.0,
+    "travel_acceleration": 2000.0,
+}
+
+
+@pytest.mark.parametrize("flavour", ["marlin", "klipper"])
+def test_every_move_has_the_acceleration_of_its_feature(flavour: str) -> None:
+    layers = [layer(scattered(12, 8, 1), square(8, z=0.2 * k), k) for k in range(3)]
+    options = wide(wall_beads=2, flavour=flavour, bottom_layers=1, top_layers=1, open=False,
+                   perimeters=2, **ACCELERATIONS)  # fmt: skip
+    stream = io.StringIO()
+    write_gcode(stream, trace(layers, options), options)
+    wanted = {"WALL-OUTER": 500.0, "WALL-INNER": 1000.0, "FILL": 1000.0, "SKIN": 800.0}
+    printing = travelling = 0.0
+    feature, seen = "", set()
+    for line in stream.getvalue().splitlines():
+        if line.startswith(";TYPE:"):
+            feature = line[6:]
+        elif line.startswith("M204"):
+            words = {word[0]: float(word[1:]) for word in line.split()[1:]}
+            printing, travelling = words.get("P", printing), words.get("T", travelling)
+        elif line.startswith("SET_VELOCITY_LIMIT"):
+            printing = travelling = float(line.split("ACCEL=")[1].split()[0])
+        elif feature and line.startswith("G1") and "E" in line and ("X" in line or "Y" in line):
+            assert printing == wanted[feature]
+            seen.add(feature)
+        elif feature and line.startswith("G0"):
+            assert travelling == 2000
+    assert seen == set(wanted)
+
+
+def test_the_reader_knows_accelerations_of_their_own(tmp_path: Path) -> None:
+    layers = [layer(scattered(12, 8, 1), square(8, z=0.2 * k), k) for k in range(3)]
+    options = wide(wall_beads=2, open=False, **ACCELERATIONS)
+    file = tmp_path / "print.gcode"
+    with file.open("w") as stream:
+        told = write_gcode(stream, trace(layers, options), options).time_s
+    assert read_gcode(file, wide()).time_s == pytest.approx(told, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("flavour", "line"),
+    [
+        ("marlin", "M900 K0.05"),
+        ("reprapfirmware", "M572 D0 S0.05"),
+        ("klipper", "SET_PRESSURE_ADVANCE ADVANCE=0.05"),
+    ],
+)
+def test_pressure_advance_in_the_firmwares_words(flavour: str, line: str) -> None:
+    layers = [layer(scattered(5, 8, 1), square(8))]
+    assert line in written(layers, flavour=flavour, pressure_advance=0.05)[0].splitlines()
+    assert line.split()[0] not in written(layers, flavour=flavour)[0]
+
+
+@pytest.mark.parametrize(("flavour", "how"), [("klipper", "M83"), ("marlin", "M82")])
+def test_arcs_in_klipper_count_from_the_move_before(flavour: str, how: str) -> None:
+    text = written([layer(scattered(5, 8, 1), disc(8))], flavour=flavour, arcs=True)[0]
+    assert how in text.splitlines()

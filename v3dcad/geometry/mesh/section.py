@@ -130,8 +130,7 @@ def mesh_edges(triangles: Ints) -> MeshEdges:
     forward, backward, unpaired = pair_sides(low * nodes + high, tail > head)
     if unpaired:
         raise GeometryError(
-            "the mesh is open, or its triangles do not wind alike: part_from(…, repair=True) "
-            "closes it"
+            "the mesh is open, or its triangles do not wind alike: read it with repair=True"
         )
     of_sides = np.empty(len(tail), np.int64)
     of_sides[forward] = of_sides[backward] = np.arange(len(forward))

@@ -22,18 +22,18 @@ const LEGENDS = {
   full: ["wall", "contour"],
   overhang: ["contour"],
   layer: ["wall", "contour"],
-  sizes: ["context"],
-  cell: ["cell", "context"],
-  neighbours: ["cell", "neighbour", "context"],
-  neighbour: ["cell", "neighbour", "context"],
-  tree: ["tree", "context"],
+  sizes: [],
+  cell: ["cell"],
+  neighbours: ["cell", "neighbour"],
+  neighbour: ["cell", "neighbour"],
+  tree: ["tree"],
   cut: ["wall", "contour"],
   toolpath: ["bead", "perimeter", "travel", "seam"],
 };
 
-// The roles that are drawn, each in the colour of the same name.
+// The roles that are drawn, each in the colour of the same name; context speaks for itself.
 export function roles({ target, cell, travels, seams }) {
-  if (IN_SPACE.has(target) && cell >= 0) return ["cell", "context"];
+  if (IN_SPACE.has(target) && cell >= 0) return ["cell"];
   const left = new Set([...(travels ? [] : ["travel"]), ...(seams ? [] : ["seam"])]);
   if (cell < 0) left.add("cell").add("neighbour");
   return LEGENDS[target].filter((role) => !left.has(role));

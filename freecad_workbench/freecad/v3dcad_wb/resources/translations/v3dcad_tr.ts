@@ -960,12 +960,20 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>kirişler</translation>
     </message>
     <message>
+      <source>project</source>
+      <translation>dilimleyici projesi</translation>
+    </message>
+    <message>
       <source>walls</source>
       <translation>duvarlar</translation>
     </message>
     <message>
       <source>Machine</source>
       <translation>Makine</translation>
+    </message>
+    <message>
+      <source>Nozzle diameter</source>
+      <translation>Nozul çapı</translation>
     </message>
     <message>
       <source>Bead width</source>
@@ -1076,6 +1084,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>En düşük hız</translation>
     </message>
     <message>
+      <source>Most speed</source>
+      <translation>En büyük hız</translation>
+    </message>
+    <message>
       <source>Most flow</source>
       <translation>En büyük akış</translation>
     </message>
@@ -1088,6 +1100,22 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>İvme</translation>
     </message>
     <message>
+      <source>Perimeter acceleration</source>
+      <translation>Çevre ivmesi</translation>
+    </message>
+    <message>
+      <source>Solid acceleration</source>
+      <translation>Dolu katman ivmesi</translation>
+    </message>
+    <message>
+      <source>Bridge acceleration</source>
+      <translation>Köprü ivmesi</translation>
+    </message>
+    <message>
+      <source>Travel acceleration</source>
+      <translation>Boş hareket ivmesi</translation>
+    </message>
+    <message>
       <source>Corner speed</source>
       <translation>Köşe hızı</translation>
     </message>
@@ -1098,6 +1126,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Filament density</source>
       <translation>Filament yoğunluğu</translation>
+    </message>
+    <message>
+      <source>Pressure advance</source>
+      <translation>Basınç avansı</translation>
     </message>
     <message>
       <source>Retraction</source>
