@@ -47,8 +47,9 @@ COMMANDS = {
     "--layer-height 0.4 --sites 15",
     "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 0.4",
     "thesis-loft": "fill SAMPLES/islands.step --ont p.ont --method thesis --interpolate --offset 0",
-    "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",
-    "tree": f"fill SAMPLES/islands.step --gcode p.gcode --route tree --contour centre {COARSE}",
+    "one-bead": f"fill SAMPLES/bracket.step --gcode p.gcode --wall-beads 1 {COARSE}",
+    "tree": "fill SAMPLES/islands.step --gcode p.gcode --profile thesis --contour centre "
+    "--method thesis --layer-height 2",
     "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
     f"--perimeters 2 --bead-shape rounded {COARSE}",
     "klipper": f"fill SAMPLES/islands.step --gcode p.gcode --profile generic-klipper {COARSE}",

@@ -25,7 +25,8 @@ from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.report import LayerReport, findings
 
 LAYER_HEIGHT = 0.2
-ROUTES: dict[str, dict[str, Any]] = {"joined": {}, "least-retrace": {"perimeters": 1}}
+WALLS: dict[int, dict[str, Any]] = {2: {}, 1: {"perimeters": 1}}
+"""Beads to a wall, and print settings with them."""
 
 
 def parts() -> dict[str, Any]:
@@ -69,10 +70,10 @@ def beyond(path: Toolpath, width: float) -> int:
     return max(int(np.count_nonzero(begins)) - loops - regions, 0)
 
 
-def row(name: str, part: Any, route: str) -> str:
-    """One part's figures by one route."""
+def row(name: str, part: Any, wall_beads: int) -> str:
+    """One part's figures with so many beads to a wall."""
     layers = list(v3dcad.fill(part, layer_height=LAYER_HEIGHT).layers)
-    options = PrintSettings(route=route, skirt_loops=0, **ROUTES[route])
+    options = PrintSettings(wall_beads=wall_beads, skirt_loops=0, **WALLS[wall_beads])
     reports: list[LayerReport] = []
     began = time.process_time()
     paths = list(trace(layers, options, reports.append))
@@ -89,7 +90,7 @@ def row(name: str, part: Any, route: str) -> str:
     kinds = dict(zip(overhang.kinds, range(len(overhang.kinds)), strict=True))
     cells = (
         name,
-        route,
+        str(wall_beads),
         f"{next(path for path in paths if len(path.points)).points[1:, 2].min():.2f}",
         f"{np.mean([report.strokes - 1 for report in printed]):.2f}",
         f"{np.mean([beyond(path, options.bead_width) for path in some]):.2f}",
@@ -115,13 +116,13 @@ def row(name: str, part: Any, route: str) -> str:
 def main() -> None:
     """Print the table."""
     columns = (
-        "part route first_z stops beyond retrace overfill worst hang perimeters bridges walls "
+        "part wall_beads first_z stops beyond retrace overfill worst hang perimeters bridges walls "
         "under_0.1 least_s told hours g trace_ms"
     )
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for name, part in parts().items():
-        for route in ROUTES:
-            print(row(name, part, route), flush=True)
+        for wall_beads in WALLS:
+            print(row(name, part, wall_beads), flush=True)
 
 
 if __name__ == "__main__":

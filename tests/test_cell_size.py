@@ -53,6 +53,7 @@ def laid(path: Path, settings: PrintSettings) -> float:
     [
         ("cylinder", 0.45, {}),
         ("cylinder", 0.3, THIN),
+        ("cylinder", 0.25, {"wall_beads": 1}),
         ("pyramid", 0.3, {}),
         ("pyramid", 0.6, THIN),
         ("bracket", 0.4, {}),

@@ -62,7 +62,7 @@ class Pages(Protocol):
                 cell,
                 neighbour,
             )
-        span = self.settings.layer_span()
+        span, thesis = self.settings.layer_span(), self.settings.method == "thesis"
         facts = {
             "size": size_words(self.part),
             "layers": f"{len(self.layers)} of {span[0]:g} mm",
@@ -74,7 +74,7 @@ class Pages(Protocol):
             span,
             self.part.mesh(),
             facts,
-            () if printing is None else trace(self.layers, printing),
+            () if printing is None else trace(self.layers, printing, thesis=thesis),
             printing,
             first,
             most=MOST_SEGMENTS if most is None else most,

@@ -143,7 +143,8 @@ class Structure(Forms, Views, Pages):
         settings = settings or PrintSettings()
         self._check_limits(settings)
         reports: list[LayerReport] = []
-        for _ in trace(self.layers, settings, reports.append):
+        thesis = self.settings.method == "thesis"
+        for _ in trace(self.layers, settings, reports.append, thesis=thesis):
             pass
         return printed_overhang(reports)
 
@@ -236,7 +237,8 @@ class Structure(Forms, Views, Pages):
         self._check_limits(settings)
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
-        toolpaths = trace(self.layers, settings, reports.append)
+        thesis = self.settings.method == "thesis"
+        toolpaths = trace(self.layers, settings, reports.append, thesis=thesis)
         with (
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,

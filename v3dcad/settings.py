@@ -437,17 +437,17 @@ class PrintSettings(Checked):
         "or after them.",
         choices=("together", "before", "after"),
     )
-    route: str = setting(
-        "joined",
-        "How walls are printed: of two beads in one closed stroke; or of one bead, in a stroke "
-        "with the least retrace, in trails that pass nothing twice, or cell after cell along the "
-        "spanning tree.",
-        choices=("joined", "least-retrace", "trails", "tree"),
+    wall_beads: int = setting(
+        2,
+        "Beads to a wall between cells: two, or one for light parts, where some walls are passed "
+        "twice with half the plastic. Each region is one closed stroke.",
+        least=1,
+        most=2,
     )
     seam: str = setting(
         "aligned",
-        "Where the outermost perimeter begins and ends, by route joined: above the seam below, "
-        "else in the sharpest corner; at the rear; or somewhere else on each layer.",
+        "Where the outermost perimeter begins and ends, with two beads to a wall: above the seam "
+        "below, else in the sharpest corner; at the rear; or somewhere else on each layer.",
         choices=("aligned", "rear", "scattered"),
     )
     bottom_layers: int = setting(
@@ -630,8 +630,8 @@ class PrintSettings(Checked):
         return width, depth
 
     def wall_width(self) -> float:
-        """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
-        return 2 * self.bead_width if self.route == "joined" else self.bead_width
+        """Width of a wall between two cells as it is printed, mm."""
+        return self.wall_beads * self.bead_width
 
     def solid_layers(self) -> tuple[int, int]:
         """How many layers are solid at faces that look down, and at those that look up."""

@@ -70,7 +70,9 @@ class Views(Protocol):
     ) -> Preview:
         from v3dcad.toolpath.beads import trace
 
-        toolpaths = trace(self.layers, printing or PrintSettings())  # nothing is traced yet
+        thesis = self.settings.method == "thesis"
+        # Nothing is traced yet.
+        toolpaths = trace(self.layers, printing or PrintSettings(), thesis=thesis)
         return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths)
 
     def picture(

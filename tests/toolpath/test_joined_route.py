@@ -20,7 +20,6 @@ from v3dcad.model import (
     EXTRUDE,
     INNER_PERIMETER,
     PERIMETER,
-    RETRACED,
     Floats,
     Ints,
     Layer,
@@ -199,7 +198,7 @@ def test_links_lie_at_the_ends_of_walls() -> None:
 def traced(made: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
     usual = {"perimeters": 2, "skirt_loops": 0, "brim_width": 0.0, "open": True}
-    chosen = PrintSettings(route="joined", **{**usual, **options})
+    chosen = PrintSettings(**{**usual, **options})
     return list(trace(made, chosen, reports.append)), reports
 
 
@@ -215,7 +214,6 @@ def test_a_layer_is_one_stroke_without_a_stop() -> None:
         assert report.strokes == 1
         assert report.retractions == 0
         assert report.retraced == 0
-        assert not (path.feature == RETRACED).any()
         kinds = path.kind == EXTRUDE
         # Once it extrudes, it does not stop.
         assert kinds[np.argmax(kinds) :].all()

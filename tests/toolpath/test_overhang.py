@@ -179,12 +179,9 @@ def table() -> list[Layer]:
     return [slab(k, box(-5, 5) if k < 8 else box(-11, 11)) for k in range(14)]
 
 
-@pytest.mark.parametrize(
-    ("route", "seam"),
-    [("joined", "aligned"), ("joined", "scattered"), ("least-retrace", "aligned")],
-)
-def test_what_crosses_from_tower_to_tower_spans_the_gap(route: str, seam: str) -> None:
-    found = certificate(towers(), route=route, seam=seam)
+@pytest.mark.parametrize(("wall_beads", "seam"), [(2, "aligned"), (2, "scattered"), (1, "aligned")])
+def test_what_crosses_from_tower_to_tower_spans_the_gap(wall_beads: int, seam: str) -> None:
+    found = certificate(towers(), wall_beads=wall_beads, seam=seam)
     roof = found.layer == 8
     perimeters, bridges = (
         found.span[roof, found.kinds.index(k)] for k in ("perimeters", "bridges")

@@ -107,12 +107,12 @@ def test_foam_and_skin_share_the_area_and_the_skin_reaches_into_the_foam() -> No
     assert foam is inner
 
 
-@pytest.mark.parametrize("route", ["joined", "least-retrace"])
+@pytest.mark.parametrize("wall_beads", [2, 1])
 @pytest.mark.parametrize("contour", ["inset", "centre"])
 @pytest.mark.parametrize("perimeters", [1, 2])
-def test_each_step_of_stairs_is_closed(route: str, contour: str, perimeters: int) -> None:
+def test_each_step_of_stairs_is_closed(wall_beads: int, contour: str, perimeters: int) -> None:
     """On the layers below a tread all of it is covered, and cells go on under the other half."""
-    options: Any = {"route": route, "contour": contour, "perimeters": perimeters}
+    options: Any = {"wall_beads": wall_beads, "contour": contour, "perimeters": perimeters}
     paths, _ = traced(stairs(), bottom_layers=2, top_layers=3, **options)
     solid = [k for k, path in enumerate(paths) if len(laid(path, SOLID, BRIDGE))]
     assert solid == [0, 1, 9, 10, 11, 21, 22, 23]

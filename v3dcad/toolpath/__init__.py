@@ -3,7 +3,7 @@
 graph       what is extruded, as a graph: edges once, junctions by id
 perimeters  a section's area, its insets, its arcs
 trim        cell edges cut off at the innermost perimeter
-route       strokes: least retrace (euler), trails; tree_route: the thesis's order
+route       one bead a wall: closed strokes (euler); tree_route: the thesis's order
 stroke      what is extruded without a stop
 cell_loops, joined_route  two beads a wall: every cell a loop, and one closed stroke a region
 first_layer what lies on the bed: brim, and whether a part stands safely

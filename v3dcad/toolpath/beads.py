@@ -18,7 +18,6 @@ from v3dcad.model import (
     INNER_PERIMETER,
     NO_FEATURE,
     PERIMETER,
-    RETRACED,
     RETRACT,
     SOLID,
     TRAVEL,
@@ -52,15 +51,18 @@ def trace(
     layers: Iterable[Layer],
     settings: PrintSettings,
     report: Callable[[LayerReport], None] | None = None,
+    *,
+    thesis: bool = False,
 ) -> Iterator[Toolpath]:
-    """One toolpath a layer: every cell edge and perimeter extruded once.
+    """One toolpath a layer: every cell edge and perimeter extruded.
 
     The first layer with something to print lies on the bed, as high as the first layer's beads;
     the others as far above it as their sections are, each filling the height to the one below.
-    Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
-    Layers are held only as long as it takes to know whether they are among the top ones. Raises
-    `GeometryError` where layers do not ascend, where beads span more than `fail_over`, and at the
-    end where nothing of the part was printed.
+    Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
+    the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
+    as long as it takes to know whether they are among the top ones. Raises `GeometryError` where
+    layers do not ascend, where beads span more than `fail_over`, and at the end where nothing of
+    the part was printed.
     """
     nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
@@ -76,7 +78,9 @@ def trace(
         if printed:
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         seams.rise()
-        plan = Plan(layer, area, skin, settings, first, nozzle.spacing, linked, seams, below)
+        plan = Plan(
+            layer, area, skin, settings, first, nozzle.spacing, linked, seams, below, thesis
+        )
         before = nozzle.position
         strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
         for stroke in strokes:
@@ -157,14 +161,13 @@ class Nozzle:
     def print(self, stroke: Stroke) -> None:
         """Travel to a stroke's start and extrude it."""
         self._travel(stroke.points[0])
-        extruding = stroke.feature != RETRACED
         ends = stroke.points[1:]
         self._steps.append(
             Steps(
                 np.column_stack([ends, np.full(len(ends), self.level)]),
-                np.where(extruding, EXTRUDE, TRAVEL).astype(np.int8),
+                np.full(len(ends), EXTRUDE, dtype=np.int8),
                 stroke.laid * self._areas[stroke.feature],
-                np.where(extruding, self._speed[stroke.feature], self.settings.travel_speed),
+                self._speed[stroke.feature],
                 stroke.feature,
                 stroke.centre,
             )

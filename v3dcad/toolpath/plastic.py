@@ -119,7 +119,9 @@ class Rooms:
         settings, printed, first = self.settings, self._printed[number], number == 0
         spacing = bead_spacing(settings, printed.height)
         area, seams = section_area(layer.section), Seams(settings.seam)
-        plan = Plan(layer, area, printed.skin, settings, first, spacing, Linked(), seams, None)
+        plan = Plan(
+            layer, area, printed.skin, settings, first, spacing, Linked(), seams, None, False
+        )
         lengths = np.zeros(FEATURES)
         for stroke in capped(list(plan.strokes(np.zeros(2))), spacing):
             np.add.at(lengths, stroke.feature, stroke.laid)

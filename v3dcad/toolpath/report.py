@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from v3dcad.geometry import arcs
-from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
+from v3dcad.model import EXTRUDE, RETRACT, Floats, Ints, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.first_layer import stand_width, stands_badly
@@ -26,13 +26,11 @@ class LayerReport:
     layer: int
     extruded: float
     retraced: float
-    """passed a second time, along a bead, without extruding"""
+    """passed twice, with half a bead each time"""
     travelled: float
     """moved off the beads, in x and y"""
     strokes: int
     retractions: int
-    least_retraced: float
-    """the lower bound: no closed strokes over the layer's pieces retrace less"""
     joined_edges: int
     """edges left out for being shorter than `minimum_edge`"""
     narrow_cells: tuple[int, ...]
@@ -69,15 +67,13 @@ def layer_report(
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
-    retracing = toolpath.feature == RETRACED
     return LayerReport(
         layer=plan.layer.index,
         extruded=float(length[extruding].sum()),
-        retraced=float(length[retracing].sum()),
-        travelled=float(length[~extruding & ~retracing].sum()),
+        retraced=plan.retraced,
+        travelled=float(length[~extruding].sum()),
         strokes=strokes,
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
-        least_retraced=plan.least_retraced,
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
         narrow_area=plan.narrow_area if level else float(plan.area.area),
@@ -93,10 +89,11 @@ def layer_report(
 def narrow_cells(layer: Layer, settings: PrintSettings) -> Ints:
     """Site ids of the cells whose gap is less than half a bead, where both print one wall.
 
-    In joined strokes there are none: cells too small for a loop are left out. A cell's gap is taken
-    as 4 · area ÷ perimeter, which for a regular polygon is the diameter of the circle inside it.
+    With two beads to a wall there are none: cells too small for a loop are left out. A cell's gap
+    is taken as 4 · area ÷ perimeter, which for a regular polygon is the diameter of the circle
+    inside it.
     """
-    if settings.route == "joined":
+    if settings.wall_beads == 2:
         return np.empty(0, np.int64)
     width = settings.bead_width
     count = len(layer.state.sites)

@@ -1016,8 +1016,8 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Çevre sırası</translation>
     </message>
     <message>
-      <source>Route</source>
-      <translation>Yol</translation>
+      <source>Wall beads</source>
+      <translation>Duvar başına şerit</translation>
     </message>
     <message>
       <source>Seam</source>
