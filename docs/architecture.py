@@ -97,7 +97,7 @@ ROOMS = (
         (
             "pipeline", "exports", "files", "forms", "nearness", "ont", "pages",
             "parts", "recipes", "report", "signatures", "slicing", "sources", "version",
-            "views", "warm_up", "watched", "__init__",
+            "views", "warm_up", "watched", "notes", "__init__",
         ),
         0, 112, 5, 178,
     ),

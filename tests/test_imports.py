@@ -55,6 +55,7 @@ MAY_IMPORT = {
         "views",
     },
     "watched": set(),
+    "notes": set(),
     "exports": INSIDE | {"files", "pipeline", "report"},
     "worker": INSIDE
     | {
@@ -62,6 +63,7 @@ MAY_IMPORT = {
         "formats",
         "forms",
         "kernel",
+        "notes",
         "parts",
         "pipeline",
         "recipes",
@@ -79,6 +81,7 @@ MAY_IMPORT = {
         "exports",
         "files",
         "formats",
+        "notes",
         "ont",
         "options",
         "parts",

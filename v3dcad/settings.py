@@ -574,7 +574,9 @@ class ExportSettings(Checked):
         choices=("wires", "faces", "cells", "solid", "struts", "beads"),
     )
     threemf_as: str = setting(
-        "beams", "What the 3MF file holds.", choices=("beams", "solid", "struts", "beads")
+        "solid",
+        "What the 3MF file holds: a closed mesh, or beams, which few slicers read.",
+        choices=("solid", "struts", "beads", "beams"),
     )
     stl_as: str = setting(
         "walls", "What the STL file holds.", choices=("walls", "solid", "struts", "beads")
@@ -588,7 +590,7 @@ class ExportSettings(Checked):
     def sizes(self, form: str, bead_width: float) -> dict[str, Any]:
         """What a form of `Structure.write_step` and its like takes."""
         if form == "solid":
-            return {"thickness": self.thickness}
+            return {"thickness": self.thickness, "skin": self.skin}
         if form in ("struts", "beams"):
             return {"diameter": self.diameter}
         return {"width": bead_width} if form == "beads" else {}

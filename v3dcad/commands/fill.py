@@ -26,11 +26,11 @@ from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
+from v3dcad.notes import noted
 from v3dcad.options import given, with_options
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 
 if TYPE_CHECKING:
-    from v3dcad.pipeline import Structure
     from v3dcad.report import Print
 
 OUTPUTS = ("gcode", "ont", "step", "png", "report")
@@ -95,7 +95,7 @@ def fill(
         import_module("v3dcad.kernel")  # where it is missing, that is told before anything is done
     # Loading, filling, the certificate (with the report), and each other file.
     steps = 3 + len(files.keys() - {"report"})
-    with Progress(f"filling {part.name}", steps) as progress:
+    with noted() as notes, Progress(f"filling {part.name}", steps) as progress:
         progress.start("loading the engine")
         load_engine()
         from v3dcad.exports import export
@@ -129,7 +129,7 @@ def fill(
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
-    _print_summary(structure, summary, files)
+    _print_summary([*structure.findings(), *notes], summary, files)
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
@@ -146,7 +146,7 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
     return files
 
 
-def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[str, Path]) -> None:
+def _print_summary(notes: list[str], summary: dict[str, Any], files: dict[str, Path]) -> None:
     from v3dcad.exports import print_lines, written_line
     from v3dcad.report import certificate_line
 
@@ -161,7 +161,7 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("overhang", certificate_line(summary["overhang"])),
             *(print_lines(summary["print"]).items() if "print" in summary else ()),
             *(("written", written_line(file)) for file in files.values()),
-            *(("note", finding) for finding in structure.findings()),
+            *(("note", note) for note in notes),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ],
         files.values(),
