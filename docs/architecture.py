@@ -95,9 +95,9 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "cell_size", "exports", "files", "forms", "limits", "nearness", "ont",
-            "pages", "parts", "recipes", "report", "signatures", "slicing", "sources", "version",
-            "views", "warm_up", "watched", "__init__",
+            "pipeline", "cell_size", "exports", "files", "forms", "limits", "nearness", "notes",
+            "ont", "pages", "parts", "recipes", "report", "signatures", "slicing", "sources",
+            "version", "views", "warm_up", "watched", "__init__",
         ),
         0, 112, 5, 178,
     ),

@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 from OCP.Bnd import Bnd_Box
 from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
 from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.BRepGProp import BRepGProp
+from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
 from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.TCollection import TCollection_ExtendedString
@@ -78,6 +81,12 @@ def box_of(shape: TopoDS_Shape) -> Floats:
     BRepBndLib.AddOptimal_s(shape, box, False, False)
     low, high = box.CornerMin(), box.CornerMax()
     return np.array([[low.X(), low.Y(), low.Z()], [high.X(), high.Y(), high.Z()]])
+
+
+def distance_to(point: Floats, shape: TopoDS_Shape) -> float:
+    """How far a point (3,) lies from the nearest face, mm."""
+    vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(*point.tolist())).Vertex()
+    return min(BRepExtrema_DistShapeShape(vertex, face).Value() for face in faces_of(shape))
 
 
 def read_step(path: Path) -> dict[str, TopoDS_Shape]:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
-from build123d import Axis, Box, Cylinder, Pos, Rot, fillet
+from build123d import Axis, Box, Cylinder, Part, Pos, Rot, fillet
 from lib3mf import Lib3MF
 from occt import area_of, box_of, faces_of, is_valid, length_of, read_step, solids_of, volume_of
 from OCP.BRep import BRep_Builder
@@ -206,6 +209,62 @@ def test_thick_walls_as_mesh_and_solid_agree(structure: Structure, tmp_path: Pat
     assert mesh.bounds == pytest.approx(box_of(structure.solid(1.0)), abs=1e-3)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_skin_is_in_meshes_as_it_is_in_solids(tmp_path: Path) -> None:
+    structure = v3dcad.fill(part().wrapped, **SETTINGS)
+    exact = structure.solid(0.6, skin=1.2)
+    assert len(solids_of(exact)) == 1
+    structure.write_stl(tmp_path / "a.stl", "solid", thickness=0.6, skin=1.2)
+    mesh = trimesh.load(tmp_path / "a.stl")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(volume_of(exact), rel=1e-3)
+    bodies = mesh.split(only_watertight=False)
+    assert sum(body.volume > 0 for body in bodies) == 1  # the others are closed cells
+    assert len(bodies) > 10
+    structure.write_3mf(tmp_path / "a.3mf", thickness=0.6, skin=1.2)
+    assert (
+        v3dcad.part_from(tmp_path / "a.3mf").contents()["volume"].startswith(f"{mesh.volume:.4g}")
+    )
+
+
+def bracket() -> Part:
+    """A base and an arm over it, and a post that holds the arm up."""
+    return Box(30, 10, 30) - Pos(5, 0, 0) * Box(30, 10, 20)
+
+
+def test_thick_walls_that_fall_apart_are_told(tmp_path: Path) -> None:
+    """The whole post lies in one cell, so that nothing of it is left."""
+    structure = v3dcad.fill(bracket().wrapped, sites=[(-10, 0), (0, 0), (10, 0)], layer_height=1.0)
+    for make in (structure.solid, structure.solid_mesh):
+        with pytest.warns(UserWarning, match="bodies that hang together nowhere") as told:
+            made = make(1.0)
+        words = str(told[0].message)
+        assert words.startswith("the thick walls are 4 bodies")
+        assert words.count("50 mm³ at") == 3
+        assert words.count("on the bed") + words.count("25 mm up in the air") == 3
+        assert words.endswith("; a skin holds them together")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            held = make(1.0, skin=1.0)
+        if make == structure.solid:
+            assert len(solids_of(made)) == 4
+            whole = volume_of(held)
+    assert mesh_volume(held) == pytest.approx(whole, rel=1e-6)
+
+
+@pytest.mark.skipif(shutil.which("prusa-slicer") is None, reason="needs PrusaSlicer")
+@pytest.mark.parametrize("form", ["solid", "struts", "beads"])
+def test_a_slicer_takes_what_is_in_3mf(structure: Structure, tmp_path: Path, form: str) -> None:
+    sizes = {"solid": {"thickness": 1.0}, "struts": {"diameter": 1.0}, "beads": {"width": 0.8}}
+    structure.write_3mf(tmp_path / "a.3mf", form, **sizes[form])
+    command = ["prusa-slicer", "--info", str(tmp_path / "a.3mf")]
+    said = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    assert "manifold = yes" in said
+    found = float(re.search(r"volume = ([\d.]+)", said)[1])
+    whole = v3dcad.part_from(tmp_path / "a.3mf").contents()["volume"]
+    assert found == pytest.approx(float(whole.split()[0]), rel=1e-4)
+
+
 def test_meshes_of_a_turned_part(tmp_path: Path) -> None:
     """Its faces carry motions of their own: nodes are shared by edge, not by coordinates."""
     body = fillet(Box(20, 20, 20).edges().filter_by(Axis.X), 4) - Cylinder(4, 60)
@@ -328,7 +387,7 @@ def test_mistakes_are_named(structure: Structure, tmp_path: Path) -> None:
     for wrong in (
         lambda: structure.struts(0),
         lambda: structure.beads(0),
-        lambda: structure.write_3mf(tmp_path / "a.3mf", diameter=-1),
+        lambda: structure.write_3mf(tmp_path / "a.3mf", "beams", diameter=-1),
         lambda: structure.write_stl(tmp_path / "a.stl", "solid", thickness=0),
     ):
         with pytest.raises(SettingError, match="give a number above 0 mm"):

@@ -59,6 +59,7 @@ MAY_IMPORT = {
         "views",
     },
     "watched": set(),
+    "notes": set(),
     "exports": INSIDE | {"files", "pipeline", "report"},
     "worker": INSIDE
     | {
@@ -66,6 +67,7 @@ MAY_IMPORT = {
         "formats",
         "forms",
         "kernel",
+        "notes",
         "parts",
         "pipeline",
         "recipes",
@@ -84,6 +86,7 @@ MAY_IMPORT = {
         "files",
         "formats",
         "limits",
+        "notes",
         "ont",
         "options",
         "parts",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,10 @@ KINDS = {
     "svg": (".svg",),
 }
 """Kinds of files, and how their names end."""
+
+NO_SOLID = (
+    "the STL holds walls without thickness, which are no solid: as solid, struts or beads it is one"
+)
 
 UNWRITTEN = (".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".pdf")
 """How pictures end that are not written."""
@@ -60,14 +65,13 @@ def export(
     elif kind == "stl":
         sizes = how.sizes(how.stl_as, bead_width)
         structure.write_stl(file, how.stl_as, ascii=how.stl_ascii, **sizes)
+        if how.stl_as == "walls":
+            warnings.warn(NO_SOLID, stacklevel=2)
     elif kind == "threemf":
         structure.write_3mf(file, how.threemf_as, **how.sizes(how.threemf_as, bead_width))
     else:
-        sizes = how.sizes(how.step_as, bead_width)
-        if how.step_as == "solid":
-            sizes["skin"] = how.skin
         write = structure.write_step if kind == "step" else structure.write_brep
-        write(file, how.step_as, **sizes)
+        write(file, how.step_as, **how.sizes(how.step_as, bead_width))
 
 
 def written_line(file: Path) -> str:

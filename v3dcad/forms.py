@@ -6,6 +6,7 @@ Shapes are those of the library that the part comes from, build123d or CadQuery,
 
 from __future__ import annotations
 
+import warnings
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -36,7 +37,7 @@ FORMS: Mapping[str, tuple[str, ...]] = {
 
 MESHES: Mapping[str, tuple[str, ...]] = {
     "walls": (),
-    "solid": ("thickness",),
+    "solid": ("thickness", "skin"),
     "struts": ("diameter", "cut"),
     "beads": ("width",),
 }
@@ -120,11 +121,20 @@ class Forms(Protocol):
         return found
 
     def solid(self, thickness: float, skin: float = 0.0) -> Any:
-        """The part with walls of a thickness in place of its inside, and a closed skin if asked."""
+        """The part with walls of a thickness in place of its inside, and a closed skin if asked.
+
+        Warns where it falls into several bodies.
+        """
         from v3dcad.kernel.cells import thick_walls
+        from v3dcad.kernel.shapes import SOLID, bounds, location, subshapes, volume
 
         walls = self._thick(thickness)
-        return self._given_back(thick_walls(self._solid(), walls, self.placement, thickness, skin))
+        shape = thick_walls(self._solid(), walls, self.placement, thickness, skin)
+        moved = location(self.placement)
+        self._tell_apart(
+            (volume(body), bounds(body.Moved(moved))) for body in subshapes(shape, SOLID)
+        )
+        return self._given_back(shape)
 
     def struts(self, diameter: float, *, cut: bool = False, fuse: bool = False) -> Any:
         """Cylinders along the lines where cells meet, spheres at their ends, as a compound.
@@ -159,14 +169,23 @@ class Forms(Protocol):
         mesh = bar_mesh(*self._axes(diameter), diameter)
         return intersected(mesh, self._at_source(self.part.mesh())) if cut else mesh
 
-    def solid_mesh(self, thickness: float) -> Mesh:
-        """The part with walls of a thickness as a closed mesh; of triangles too."""
+    def solid_mesh(self, thickness: float, skin: float = 0.0) -> Mesh:
+        """The part with walls of a thickness, and a closed skin if asked, as a closed mesh.
+
+        Of triangles too. Warns where it falls into several bodies.
+        """
+        from v3dcad.geometry.mesh.bodies import parts_of
         from v3dcad.geometry.mesh.boolean import subtracted
+        from v3dcad.geometry.mesh.erosion import eroded
         from v3dcad.geometry.solid.convex_cells import hollows
 
         low, high = self.part.bounds
-        hollow = hollows(self._thick(thickness), thickness, low - MARGIN, high + MARGIN)
-        return self._at_source(subtracted(self.part.mesh(), [cell.mesh() for cell in hollow]))
+        cells = hollows(self._thick(thickness), thickness, low - MARGIN, high + MARGIN)
+        body = self.part.mesh()
+        core = eroded(body, skin) if skin else None
+        mesh = subtracted(body, [cell.mesh() for cell in cells], core)
+        self._tell_apart(parts_of(mesh))
+        return self._at_source(mesh)
 
     def bead_mesh(self, width: float) -> Mesh:
         """What is printed, the beads of all layers united, as a closed mesh."""
@@ -223,8 +242,8 @@ class Forms(Protocol):
     ) -> None:
         """Write a mesh of `MESHES` as STL.
 
-        "walls" are upright strips without thickness, as in the thesis; "solid" (thickness),
-        "struts" (diameter, cut) and "beads" (width) are united and closed.
+        "walls" are upright strips without thickness, as in the thesis, and no solid; "solid"
+        (thickness, skin), "struts" (diameter, cut) and "beads" (width) are united and closed.
         """
         from v3dcad.formats.mesh.stl import ascii_stl, binary_stl
 
@@ -236,13 +255,13 @@ class Forms(Protocol):
                 beside.write_bytes(binary_stl(mesh))
 
     def write_3mf(
-        self, path: str | Path, form: str = "beams", *, fallback: bool = True, **sizes: Any
+        self, path: str | Path, form: str = "solid", *, fallback: bool = True, **sizes: Any
     ) -> None:
-        """Write 3MF: "beams" (diameter), a beam lattice, a closed mesh of `MESHES`, or a "project".
+        """Write 3MF: a closed mesh of `MESHES`, "beams" (diameter), a beam lattice, or a "project".
 
         A project (thickness) is for slicers, on their bed: the part, its foam a modifier in it.
-        With `fallback` the beams carry a mesh for viewers that know none (slow for many: they are
-        united first).
+        Many slicers know no beams, and refuse the file. With `fallback` the beams carry a mesh for
+        viewers that know none (slow for many: they are united first).
         """
         from v3dcad.formats.mesh.threemf_project import write_project
         from v3dcad.formats.mesh.threemf_writer import write_beams, write_mesh
@@ -310,6 +329,13 @@ class Forms(Protocol):
             (_title(layer), layer_beads(layer, self.placement, width, height, profile, base))
             for layer in self.layers
         )
+
+    def _tell_apart(self, parts: Iterable[tuple[float, Floats]]) -> None:
+        """Warn of thick walls that are several bodies, by volumes and boxes in bed coordinates."""
+        from v3dcad.geometry.mesh.bodies import apart_findings
+
+        for told in apart_findings("the thick walls", parts, float(self.part.bounds[0, 2])):
+            warnings.warn(f"{told}; a skin holds them together", stacklevel=3)
 
     def _axes(self, diameter: float) -> tuple[Floats, Any]:
         """Points (v, 3), where the source lies, and struts (s, 2) between them.

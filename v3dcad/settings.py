@@ -676,9 +676,10 @@ class ExportSettings(Checked):
         choices=("wires", "faces", "cells", "solid", "struts", "beads"),
     )
     threemf_as: str = setting(
-        "beams",
-        "What the 3MF file holds; project is for slicers: the part, its foam a modifier in it.",
-        choices=("beams", "solid", "struts", "beads", "project"),
+        "solid",
+        "What the 3MF file holds: a closed mesh, beams, which few slicers read, or a project for "
+        "slicers: the part, its foam a modifier in it.",
+        choices=("solid", "struts", "beads", "beams", "project"),
     )
     stl_as: str = setting(
         "walls", "What the STL file holds.", choices=("walls", "solid", "struts", "beads")
@@ -691,7 +692,9 @@ class ExportSettings(Checked):
 
     def sizes(self, form: str, bead_width: float) -> dict[str, Any]:
         """What a form of `Structure.write_step` and its like takes."""
-        if form in ("solid", "project"):
+        if form == "solid":
+            return {"thickness": self.thickness, "skin": self.skin}
+        if form == "project":
             return {"thickness": self.thickness}
         if form in ("struts", "beams"):
             return {"diameter": self.diameter}

@@ -26,6 +26,7 @@ from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
 from v3dcad.commands.rows import print_rows
 from v3dcad.errors import SettingError
+from v3dcad.notes import noted
 from v3dcad.options import given, with_options
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 
@@ -96,7 +97,7 @@ def fill(
     # traced, spans are looked for by themselves.
     certified = "gcode" not in files and not isinstance(printing.fail_over, str)
     steps = 3 + certified + len(files.keys() - {"report"})
-    with Progress(f"filling {part.name}", steps) as progress:
+    with noted() as notes, Progress(f"filling {part.name}", steps) as progress:
         progress.start("loading the engine")
         load_engine()
         from v3dcad.exports import export
@@ -123,7 +124,7 @@ def fill(
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
-    _print_summary(structure, summary, files)
+    _print_summary(structure, notes, summary, files)
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
@@ -140,7 +141,9 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
     return files
 
 
-def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[str, Path]) -> None:
+def _print_summary(
+    structure: Structure, notes: list[str], summary: dict[str, Any], files: dict[str, Path]
+) -> None:
     from v3dcad.exports import print_lines, written_line
     from v3dcad.report import certificate_line
 
@@ -156,7 +159,7 @@ def _print_summary(structure: Structure, summary: dict[str, Any], files: dict[st
             ("overhang", certificate_line(summary["overhang"])),
             *(print_lines(summary["print"]).items() if "print" in summary else ()),
             *(("written", written_line(file)) for file in files.values()),
-            *(("note", finding) for finding in structure.findings()),
+            *(("note", note) for note in (*structure.findings(), *notes)),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ],
         files.values(),

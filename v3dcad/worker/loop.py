@@ -6,12 +6,12 @@ import json
 import math
 import sys
 import traceback
-import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from v3dcad.errors import SettingError, V3dcadError
+from v3dcad.notes import noted
 from v3dcad.worker.arrays import Files
 from v3dcad.worker.kept import Kept
 from v3dcad.worker.requests import Work
@@ -76,11 +76,9 @@ def _answer(line: bytes, stream: BinaryIO, files: Files, kept: Kept) -> None:
         request = _parsed(line)
         number = request.get("id")
         answers = Answers(stream, number)
-        with warnings.catch_warnings(record=True) as told:
-            warnings.simplefilter("always", UserWarning)
+        with noted() as notes:
             result = Work(request, files, kept, answers.stage).result()
-        notes = dict.fromkeys(str(one.message) for one in told if one.category is UserWarning)
-        answers.result({**result, "notes": list(notes)})
+        answers.result({**result, "notes": notes})
     except Exception as error:  # whatever it is, somebody waits for an answer
         if not isinstance(error, (V3dcadError, MemoryError, OSError)):
             traceback.print_exc(file=sys.stderr)

@@ -144,10 +144,7 @@ class Work:
         form = self._needed("form", str)
         if form not in SHAPES:
             raise SettingError("form", f"form {form!r}: give {', '.join(SHAPES)}")
-        sizes = self._sizes()
-        wanted = sizes.sizes(form, PrintSettings().bead_width)
-        if form == "solid":
-            wanted["skin"] = sizes.skin
+        wanted = self._sizes().sizes(form, PrintSettings().bead_width)
         path = self._files.new(".brep")
         structure = self._watched(self._whole(), f"making {form}")
         self._stage(f"making {form}", 0, 0)  # only wires go through the layers

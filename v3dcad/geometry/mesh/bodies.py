@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from v3dcad.geometry.compiled.arrays import (
     ConstIntRows,
 )
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
-from v3dcad.model import Floats, Ints
+from v3dcad.model import Floats, Ints, Mesh
 
 Flags = NDArray[np.bool_]
 
@@ -25,7 +25,10 @@ Pairs = list[tuple[int, int, float]]
 """Bodies i < j, counted from 0, and the volume that they share, mm³."""
 
 SHOWN = 5
-"""Most pairs of bodies that overlap which are named one by one."""
+"""Most pairs of bodies that overlap, or bodies that are apart, which are named one by one."""
+
+TOUCHES = 1e-3
+"""mm: what begins no higher above the base stands on it."""
 
 
 class Sides(NamedTuple):
@@ -156,6 +159,35 @@ def overlap_findings(bodies: str, pairs: Pairs) -> Iterator[str]:
         yield f"{bodies} {i + 1} and {j + 1} overlap by {shared:.4g} mm³: they are filled as one"
     if len(pairs) > SHOWN:
         yield f"{len(pairs) - SHOWN} more pairs of {bodies} overlap by less"
+
+
+def parts_of(mesh: Mesh) -> Iterator[tuple[float, Floats]]:
+    """The volume, mm³, and the box (2, 3), mm, of each body of a closed mesh, cavities aside."""
+    body = bodies_of(mesh.triangles)
+    boxes = np.stack(body_bounds(mesh.vertices, mesh.triangles, body), axis=1)
+    volumes = signed_volumes(mesh.vertices, mesh.triangles, body)
+    yield from ((float(volumes[k]), boxes[k]) for k in np.flatnonzero(volumes > 0))
+
+
+def apart_findings(what: str, parts: Iterable[tuple[float, Floats]], base: float) -> Iterator[str]:
+    """What to report of bodies of given volumes, mm³, and boxes (2, 3), mm, that are to be one.
+
+    Those that begin above the height of the base hang in the air.
+    """
+    others = sorted(parts, key=lambda part: -part[0])[1:]
+    if not others:
+        return
+    shown = []
+    for volume, (low, high) in others[:SHOWN]:
+        corners = " to ".join("({:.4g}, {:.4g}, {:.4g})".format(*corner) for corner in (low, high))
+        above = low[2] - base
+        lies = f"{above:.3g} mm up in the air" if above > TOUCHES else "on the bed"
+        shown.append(f"{volume:.4g} mm³ at {corners}, {lies}")
+    more = f", and {len(others) - SHOWN} more" if len(others) > SHOWN else ""
+    yield (
+        f"{what} are {len(others) + 1} bodies that hang together nowhere: beside the largest "
+        f"{'; '.join(shown)}{more}"
+    )
 
 
 @compiled(INLINED)

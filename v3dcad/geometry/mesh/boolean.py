@@ -19,11 +19,12 @@ def united(bodies: Sequence[Mesh | Manifold]) -> Mesh:
     return checked_mesh(Manifold.batch_boolean([manifold(body) for body in bodies], OpType.Add))
 
 
-def subtracted(body: Mesh, tools: Sequence[Mesh]) -> Mesh:
-    """A closed mesh without the closed meshes of the tools."""
-    return checked_mesh(
-        Manifold.batch_boolean([manifold(body), *map(manifold, tools)], OpType.Subtract)
-    )
+def subtracted(body: Mesh, tools: Sequence[Mesh], within: Manifold | None = None) -> Mesh:
+    """A closed mesh without the closed meshes of the tools, or without what of them is `within`."""
+    cut = list(map(manifold, tools))
+    if within is not None:
+        cut = [Manifold.batch_boolean(cut, OpType.Add) ^ within]
+    return checked_mesh(Manifold.batch_boolean([manifold(body), *cut], OpType.Subtract))
 
 
 def intersected(one: Mesh, other: Mesh) -> Mesh:

@@ -25,16 +25,14 @@ OUTWARD = 0.1
 """How far pieces reach out of the body, of the depth."""
 
 OVERLAP = 1e-3
-"""How far those of edges reach over their neighbours, of the depth."""
+"""How far those of edges reach over their neighbours, of the depth; what is left with shorter edges
+comes of rounding."""
 
 ROUGHNESS = 0.01
-"""How far the surface that the depth is counted from may lie off the true one, of the depth."""
+"""How far the core may lie off, of the depth: triangles that matter less are joined before."""
 
 FLAT = 1e-4
 """Sine of the least angle at which an edge is not flat."""
-
-CRUMB = 1e-6
-"""What is left with less volume than this share of the cube over the depth comes of rounding."""
 
 SHARPEST = 2.0
 """How far a mitre reaches at most, of the depth: for edges hollow by up to 120°."""
@@ -46,17 +44,16 @@ def eroded(body: Mesh, depth: float) -> Manifold:
     Edges where the surface is hollow are mitred. `GeometryError` where nothing is left.
     """
     above_zero("skin", depth)
-    whole = manifold(body)
-    found = whole.simplify(depth * ROUGHNESS).to_mesh64()
+    whole = manifold(body).simplify(depth * ROUGHNESS)
+    found = whole.to_mesh64()
     points = np.array(found.vert_properties[:, :3], np.float64)
     # Counted in depths.
     pieces = _pieces(points / depth, np.array(found.tri_verts, np.int64))
     hulls = [Manifold.hull_points(piece * depth) for piece in pieces]
-    left = Manifold.batch_boolean([whole, *hulls], OpType.Subtract).decompose()
-    cores = [core for core in left if core.volume() > CRUMB * depth**3]
-    if not cores:
+    core = Manifold.batch_boolean([whole, *hulls], OpType.Subtract).simplify(depth * OVERLAP)
+    if core.volume() <= 0:
         raise GeometryError(f"a skin of {depth:g} mm leaves no room for cells; give a thinner one")
-    return Manifold.compose(cores)
+    return core
 
 
 class _Edges(NamedTuple):
@@ -119,7 +116,7 @@ def _between_mitres(
         mitres = edges.mitres[edge[order[starts[at] : starts[at + 1]]]]
         planes = normals[corner[begins[at] : begins[at + 1]] // 3]
         tip = np.linalg.lstsq(planes, -np.ones(len(planes)), rcond=0.1)[0]
-        tip *= min(1.0, SHARPEST / np.linalg.norm(tip))
+        tip *= min(1.0, SHARPEST / float(np.linalg.norm(tip)))
         yield points[at] + np.vstack([np.zeros(3), -planes, mitres, tip])
 
 
