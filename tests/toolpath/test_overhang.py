@@ -18,6 +18,7 @@ from v3dcad.model import (
     EXTRUDE,
     INNER_PERIMETER,
     PERIMETER,
+    SKIRT,
     SOLID,
     TRAVEL,
     Floats,
