@@ -18,6 +18,7 @@ from v3dcad.model import (
     EXTRUDE,
     INNER_PERIMETER,
     PERIMETER,
+    SKIRT,
     SOLID,
     TRAVEL,
     Floats,
@@ -128,7 +129,7 @@ def test_kinds_are_told_apart_and_what_is_no_part_of_the_part_is_left_out() -> N
             line = path(np.array([[0.0, 0], [7, 0]]), feature=feature)
             (found,) = hanging(line, np.zeros(3), under, NOWHERE, W, H)
             assert (found.what, found.span) == (what, pytest.approx(7.0))
-    assert hanging(path(np.array([[0.0, 0], [7, 0]]), feature=6), np.zeros(3), under, NOWHERE,
+    assert hanging(path(np.array([[0.0, 0], [7, 0]]), feature=SKIRT), np.zeros(3), under, NOWHERE,
                    W, H) == ()  # fmt: skip
 
 
