@@ -23,14 +23,14 @@ RUN = "import sys; from v3dcad.cli import main; sys.exit(main())"
 
 ALL_FORMS = "--out . --3mf p.3mf --stl p.stl --brep p.brep --svg p.svg --diameter 1"
 
-COARSE = "--layer-height 0.6 --cell-size 12"
+COARSE = "--layer-height 0.4 --cell-size 12"
 
 COMMANDS = {
     "bracket": f"fill SAMPLES/bracket.step {ALL_FORMS} {COARSE}",
     "cone": f"fill SAMPLES/cone.step {ALL_FORMS} {COARSE}",
     "islands": f"fill SAMPLES/islands.step {ALL_FORMS} {COARSE}",
-    "pyramid": f"fill SAMPLES/pyramid.step {ALL_FORMS} --layer-height 2 --cell-size 9",
-    "triangles": "fill SAMPLES/pyramid.stl --out . --stl p.stl --svg p.svg --layer-height 2",
+    "pyramid": f"fill SAMPLES/pyramid.step {ALL_FORMS} --layer-height 0.4 --cell-size 9",
+    "triangles": "fill SAMPLES/pyramid.stl --out . --stl p.stl --svg p.svg --layer-height 0.4",
     "default": "fill SAMPLES/bracket.step --out .",
     "columns": f"fill SAMPLES/bracket.step --out . --stretch columns {COARSE}",
     **{
@@ -44,11 +44,12 @@ COMMANDS = {
         for form in ("solid", "struts", "beads")
     },
     "thesis-cone": "fill SAMPLES/cone.step --out . --method thesis --base-clearance 0.1 "
-    "--layer-height 0.6 --sites 15",
-    "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 2",
+    "--layer-height 0.4 --sites 15",
+    "thesis-pyramid": "fill SAMPLES/pyramid.stl --out . --method thesis --layer-height 0.4",
     "thesis-loft": "fill SAMPLES/islands.step --ont p.ont --method thesis --interpolate --offset 0",
-    "trails": f"fill SAMPLES/bracket.step --gcode p.gcode --route trails {COARSE}",
-    "tree": f"fill SAMPLES/islands.step --gcode p.gcode --route tree --contour centre {COARSE}",
+    "one-bead": f"fill SAMPLES/bracket.step --gcode p.gcode --wall-beads 1 {COARSE}",
+    "tree": "fill SAMPLES/islands.step --gcode p.gcode --profile thesis --contour centre "
+    "--method thesis --layer-height 2",
     "profile": f"fill SAMPLES/bracket.step --gcode p.gcode --profile ender3v2 --arcs "
     f"--perimeters 2 --bead-shape rounded {COARSE}",
     "klipper": f"fill SAMPLES/islands.step --gcode p.gcode --profile generic-klipper {COARSE}",

@@ -82,15 +82,15 @@ def table() -> None:
     from benchmarks.engine import filled
     from v3dcad.toolpath.beads import trace
 
-    columns = "structure route trace_s write_s loop_s loop/write MB moves retraced strokes hours"
+    columns = "structure walls trace_s write_s loop_s loop/write MB moves retraced strokes hours"
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for cells, count in ((300, 150), (4000, 20)):
         source = list(filled("square", cells, count).layers)
-        for route in ("joined", "least-retrace", "trails", "tree"):
-            options = PrintSettings(route=route, bed="800x800")
+        for walls, beads in (("two-bead", 2), ("one-bead", 1), ("thesis", 1)):
+            options = PrintSettings(wall_beads=beads, bed="800x800")
             reports = []
             began = time.process_time()
-            paths = list(trace(source, options, reports.append))
+            paths = list(trace(source, options, reports.append, thesis=walls == "thesis"))
             traced = time.process_time()
             sink = Sink()
             totals = write_gcode(sink, paths, options)
@@ -101,7 +101,7 @@ def table() -> None:
             share = sum(r.retraced for r in reports) / sum(r.extruded for r in reports)
             row = (
                 f"{cells}x{count}",
-                route,
+                walls,
                 f"{traced - began:.2f}",
                 f"{wrote - traced:.2f}",
                 f"{looped - wrote:.2f}",
@@ -148,15 +148,12 @@ def thesis() -> None:
             file = Path(folder) / "part.step"
             export_step(part, str(file))
             structure = v3dcad.fill(file, method="thesis", sites=sites, offset=offset)
-            for route in ("least-retrace", "trails", "tree"):
-                options = PrintSettings(
-                    **{**read_profile("thesis"), "route": route, "contour": "centre"}
-                )
-                found = structure.write_gcode(Path(folder) / "part.gcode", options).totals
-                print(
-                    f"{name:>14} {route:>14}: {found.time_s / 3600:5.1f} h, "
-                    f"the thesis printed {hours} h; {found.mass_g:.0f} g"
-                )
+            options = PrintSettings(**{**read_profile("thesis"), "contour": "centre"})
+            found = structure.write_gcode(Path(folder) / "part.gcode", options).totals
+            print(
+                f"{name:>14}: {found.time_s / 3600:5.1f} h, the thesis printed {hours} h; "
+                f"{found.mass_g:.0f} g"
+            )
 
 
 if __name__ == "__main__":

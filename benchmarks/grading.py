@@ -19,7 +19,7 @@ from benchmarks.foam import row
 from v3dcad.model import Floats
 from v3dcad.settings import FillSettings
 from v3dcad.structure.foam.explicit import explicit_sites
-from v3dcad.structure.foam.graded import LEAST_TAU, PAD, TAU, Graded, graded_sites
+from v3dcad.structure.foam.graded import LEAST_TAU, TAU, Graded, graded_sites
 from v3dcad.structure.foam.size_grid import SLOPE, sampled
 from v3dcad.structure.foam.space import space_of
 
@@ -55,8 +55,8 @@ def waves(at: Floats) -> Floats:
 FIELDS: dict[str, Field] = {
     "as steep as may be, sideways": lambda at: ramp(at[:, 0], 12, SLOPE),
     "as steep as may be, upward": lambda at: ramp(at[:, 2], 12, SLOPE / TAU),
-    "around a hole": lambda at: ramp(np.hypot(at[:, 0] - 30, at[:, 1] - 30), 9, SLOPE),
-    "under a roof, in one step": lambda at: np.where(at[:, 2] > 82, LEAST, MOST),
+    "around a hole": lambda at: ramp(np.hypot(at[:, 0] - 30, at[:, 1] - 30), 11, SLOPE),
+    "under a roof, in one step": lambda at: np.where(at[:, 2] > 80, LEAST, MOST),
     "waves": waves,
 }
 
@@ -78,7 +78,7 @@ class Found(NamedTuple):
 def smoothed(field: Field, stretch: float) -> Field:
     """The sizes that can be met, as a foam of a stretch goes by them."""
     squeezed = np.array([1, 1, 1 / stretch])
-    grid = sampled(lambda places: field(places / squeezed), *(BOX * squeezed), PAD).grid
+    grid = sampled(lambda places: field(places / squeezed), *(BOX * squeezed)).grid
     axes = [
         low + grid.side * np.arange(count)
         for low, count in zip(grid.corner, grid.sizes.shape, strict=True)

@@ -95,8 +95,8 @@ ROOMS = (
     Room(
         "pipeline.py",
         (
-            "pipeline", "exports", "files", "forms", "nearness", "ont", "pages",
-            "parts", "recipes", "report", "signatures", "slicing", "sources", "version",
+            "pipeline", "cell_size", "exports", "files", "forms", "limits", "nearness", "ont",
+            "pages", "parts", "recipes", "report", "signatures", "slicing", "sources", "version",
             "views", "warm_up", "watched", "notes", "__init__",
         ),
         0, 112, 5, 178,

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/foam.md: `python docs/pictures.py`.
+"""Draw the pictures of docs/foam.md and docs/grading.md: `python docs/pictures.py`.
 
 The same bytes each time. A vertical cut shows where the walls, which are plane polygons in space,
 cross the plane y = 0.
@@ -11,25 +11,41 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 import v3dcad
+from v3dcad.fields.expression import ramp
 from v3dcad.model import Floats
-from v3dcad.view.colours import BLUE, VERMILLION
+from v3dcad.settings import Field
+from v3dcad.view.colours import BLUE, RAMP, VERMILLION
 
 HERE = Path(__file__).resolve().parent
 SIDE, HEIGHT = 40.0, 60.0
 """The pole that is cut, mm."""
 
 
+FINE, COARSE = 2.0, 6.0
+"""The sizes of cells that differ in size, mm."""
+
+GRADED: dict[str, Field] = {
+    "sideways": lambda x, y, z: ramp(x, -15, 5, FINE, COARSE),
+    "upward": lambda x, y, z: ramp(z, 10, 50, FINE, COARSE),
+    "away from the middle": lambda x, y, z: ramp(np.hypot(x, y), 4, 18, FINE, COARSE),
+    "waves": lambda x, y, z: 4 + 2 * np.sin(x / 6 + z / 10) * np.cos(y / 7 - z / 8),
+    "a step, 10 mm under the top": lambda x, y, z: np.where(z > HEIGHT - 10, FINE, COARSE),
+}
+"""What sizes are asked for in each cut of docs/grading.md."""
+
+
 def pole(**settings: object) -> v3dcad.Structure:
-    """A square pole filled with cells of 6 mm."""
+    """A square pole filled with cells of 6 mm, if nothing else is said."""
     low, high = np.array([[-SIDE / 2, -SIDE / 2, 0.0], [SIDE / 2, SIDE / 2, HEIGHT]])
     corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
     sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
     triangles = [row for a, b, c, d in sides for row in ((a, b, c), (a, c, d))]
     mesh = (low + corners * (high - low), np.array(triangles))
-    return v3dcad.fill(mesh, layer_height=HEIGHT / 2, cell_size=6.0, **settings)
+    return v3dcad.fill(mesh, layer_height=HEIGHT / 2, **{"cell_size": 6.0, **settings})
 
 
 def vertical_cut(structure: v3dcad.Structure) -> Floats:
@@ -72,8 +88,30 @@ def write(name: str, panels: list[tuple[Floats, tuple[float, float], str]], size
     figure.savefig(HERE / name, metadata={"Software": None})
 
 
+def write_graded(name: str) -> None:
+    """Write vertical cuts of foams of many sizes, cells in the colour of the size asked for at
+    their sites.
+    """
+    figure = Figure(figsize=(2.0 * len(GRADED) + 0.8, 3.8), dpi=110, layout="constrained")
+    panels = figure.subplots(1, len(GRADED))
+    x, z = np.meshgrid(np.linspace(-SIDE / 2, SIDE / 2, 400), np.linspace(0, HEIGHT, 600))
+    points = np.column_stack([x.ravel(), np.zeros(x.size), z.ravel()])
+    colours = LinearSegmentedColormap.from_list("sizes", RAMP)
+    for axes, (title, field) in zip(panels, GRADED.items(), strict=True):
+        made = pole(cell_size=field)
+        panel(axes, vertical_cut(made), (-SIDE / 2, 0.0), title)
+        sizes = field(*made.filling.sites.T)[made.filling.foam.nearest(points)].reshape(x.shape)
+        shown = axes.imshow(
+            sizes, colours, vmin=FINE, vmax=COARSE, alpha=0.6, zorder=1.5, origin="lower",
+            extent=(-SIDE / 2, SIDE / 2, 0, HEIGHT), aspect="equal",
+        )  # fmt: skip
+    figure.colorbar(shown, ax=panels, label="size asked for, mm", shrink=0.7)
+    figure.savefig(HERE / name, metadata={"Software": None})
+
+
 def main() -> None:
     """Draw all pictures."""
+    write_graded("graded-cuts.png")
     upright, across = (-SIDE / 2, 0.0), (-SIDE / 2, -SIDE / 2)
     foam, columns = pole(), pole(stretch="columns")
     write(

@@ -45,7 +45,7 @@ def draw_thesis(recipe: Recipe) -> None:
     layers, mesh = choose(structure.layers).layers, structure.part.mesh()
     name = recipe.name.replace(" ", "-")
     for view, from_top in (("top", True), ("perspective", False)):
-        write(f"{name}-{view}", part_picture(layers, mesh, from_top=from_top, whole=True))
+        write(f"{name}-{view}", part_picture(layers, mesh, 0.0, from_top=from_top, whole=True))
 
 
 def draw_foam(name: str, structure: Structure) -> None:

@@ -1,8 +1,11 @@
-"""Where the sample parts lie; how hypothesis runs; which tests are fast."""
+"""Where the sample parts lie; a browser; how hypothesis runs; which tests are fast."""
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import hypothesis
 import pytest
@@ -33,3 +36,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def samples() -> Path:
     """The folder of sample parts."""
     return SAMPLES
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Chromium as the system has it, drawing in software."""
+    command = shutil.which("chromium") or shutil.which("chromium-browser")
+    if command is None:
+        pytest.skip("needs chromium: apt-get install chromium")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright: .[test]")
+    with sync_api.sync_playwright() as playwright:
+        drawing = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        found = playwright.chromium.launch(executable_path=command, args=drawing)
+        yield found
+        found.close()

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from build123d import Box, export_step
+from build123d import Box, Pos, export_step
 
 from v3dcad.cli import main
 from v3dcad.commands.compiling import NOTICE
@@ -45,18 +45,21 @@ def mistake(capsys: pytest.CaptureFixture[str], *words: object) -> str:
         with pytest.raises(SystemExit) as stop:
             main()
     assert stop.value.code == 2
-    said = capsys.readouterr().err.removeprefix(f"{NOTICE}\n")
+    said = capsys.readouterr().err
     begun, _, rest = said.partition("\n")
-    said = rest if begun.startswith("filling ") else said  # found while layers were made
+    said = (
+        rest if begun.startswith(("filling ", "cutting ", "drawing ")) else said
+    )  # found while at work
+    said = said.removeprefix(f"{NOTICE}\n")
     assert said.count("\n") == 1, said
     assert said.startswith("v3dcad: ")
     return said
 
 
 def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None:
-    done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 4)
+    done = run("fill", samples / "bracket.step", "--out", tmp_path / "out", "--layer-height", 0.4)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.removeprefix(f"{NOTICE}\n") == "filling bracket.step\n"
+    assert done.stderr.replace(f"{NOTICE}\n", "") == "filling bracket.step\n"
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == [f"bracket.{end}" for end in ("gcode", "json", "ont", "png", "step")]
     for word in ("layers", "cells", "steepest", "wall length", *files):
@@ -64,7 +67,7 @@ def test_one_command_makes_all_five_files(samples: Path, tmp_path: Path) -> None
     again = run("fill", tmp_path / "out" / "bracket.ont", "--report", tmp_path / "again.json")
     assert again.returncode == 0, again.stderr
     told = run("info", tmp_path / "out" / "bracket.ont")
-    assert "4 mm" in told.stdout
+    assert "0.4 mm" in told.stdout
 
 
 def test_the_summary_says_what_the_report_says(samples: Path, tmp_path: Path) -> None:
@@ -132,15 +135,18 @@ def test_info_tells_what_a_part_holds(samples: Path) -> None:
         (["--layer-height", 0], "--layer-height 0.0: give a number above 0 mm"),
         (["--layer-height", -1], "--layer-height -1"),
         (["--layer-height", "nan"], "finite"),
-        (["--layer-height", 99], "only 30 mm high"),
+        (["--layer-height", 0.5], "give at most 0.4"),
         (["--method", "thesis", "--sites", 0], "--sites 0: give a number of at least 1"),
         (["--method", "thesis", "--offset", -0.1], "--offset -0.1"),
         (["--method", "thesis", "--offset", "much"], "--offset 'much': give a number or auto"),
         (["--cell-size", 0], "--cell-size 0.0: give a number above 0 mm"),
         (["--cell-size", "small"], "'small' is not known; give a number, auto, or an expression"),
         (["--cell-size", 50], "--cell-size 50: larger than the part"),
-        (["--cell-size", 0.0001], "--cell-size 0.0001: the grid of a part of 40"),
-        (["--cell-size", 0.05], "cells are more than memory holds"),
+        (["--cell-size", 0.5], "--cell-size 0.5: cells smaller than two beads of 0.45 mm"),
+        (["--bead-width", 1.2], "--bead-width 1.2: a nozzle of 0.4 mm lays beads of 0.24 to 1 mm"),
+        (["--travel-speed", 600], "--travel-speed 600: more than the 500 mm/s of the machine"),
+        (["--profile", "prusa-mk3s", "--travel-speed", 250], "more than the 200 mm/s of"),
+        (["--print-speed", 250], "take 20.4 mm³/s, and the hot end melts 15"),
         (["--stretch", 1.1], "--stretch 1.1: walls would lean more than 45°; give at least 1.25"),
         (["--stretch", 0.5], "--stretch 0.5: give a number of at least 1"),
         (["--stretch", "tall"], "--stretch 'tall': give a number or auto or columns"),
@@ -181,6 +187,26 @@ def test_settings_out_of_range(
     assert not list(tmp_path.rglob("*.*")), "something was left behind"
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--layer-height", 99], "only 30 mm high"),
+        (["--cell-size", 0.0001], "--cell-size 0.0001: the grid of a part of 40"),
+        (["--cell-size", 0.05], "cells are more than memory holds"),
+    ],
+)
+def test_what_no_structure_can_have(
+    words: list[object],
+    says: str,
+    samples: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    said = mistake(capsys, "fill", samples / "cone.step", "--ont", tmp_path / "a.ont", *words)
+    assert says in said
+    assert not list(tmp_path.rglob("*.*")), "something was left behind"
+
+
 def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
     done = run(
         *("slice", samples / "bracket.step", "--layer-height", 2, "--up", "x"),
@@ -188,7 +214,7 @@ def test_slice_writes_sections_alone(samples: Path, tmp_path: Path) -> None:
         *("--step", tmp_path / "a.step", "--svg", tmp_path / "a.svg"),
     )
     assert done.returncode == 0, done.stderr
-    assert done.stderr.removeprefix(f"{NOTICE}\n") == "cutting bracket.step\n"
+    assert done.stderr.replace(f"{NOTICE}\n", "") == "cutting bracket.step\n"
     for line in ("sections      30", "contours      44, at most 3", "a.step (", "a.svg ("):
         assert line in done.stdout
     assert (tmp_path / "a.svg").read_text().count("<path") == 30
@@ -390,14 +416,14 @@ def test_what_forms_refuse(
 
 def test_gcode_and_nc_commands(samples: Path, tmp_path: Path) -> None:
     gcode = tmp_path / "a.gcode"
-    done = run("fill", samples / "cone.step", "--layer-height", 5, "--gcode", gcode)
+    done = run("fill", samples / "cone.step", "--layer-height", 0.4, "--gcode", gcode)
     assert done.returncode == 0, done.stderr
     told = json.loads(run("gcode", "info", gcode, "--json").stdout)
-    assert told["layers"] == 6
+    assert told["layers"] == 75
     assert told["time_s"] > 60
     assert run("nc", "template", gcode, "--out", tmp_path / "p.toml").returncode == 0
     again = ("--gcode", tmp_path / "b.gcode", "--profile", tmp_path / "p.toml")
-    assert run("fill", samples / "cone.step", "--layer-height", 5, *again).returncode == 0
+    assert run("fill", samples / "cone.step", "--layer-height", 0.4, *again).returncode == 0
     adjusted = run("nc", "adjust", gcode, tmp_path / "c.gcode", "--retraction", 1)
     assert "hops" in adjusted.stdout
 
@@ -482,3 +508,22 @@ def test_a_part_of_which_nothing_is_printed(
     said = mistake(capsys, "fill", tmp_path / "a.step", "--out", tmp_path / "out")
     assert "nothing of the part is printed: all of it is narrower than beads of 0.45 mm" in said
     assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_span_over_air_is_told_and_fails_where_that_is_asked(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    table = Box(10, 12, 4) + Pos(0, 0, 4) * Box(30, 12, 4)
+    export_step(table, tmp_path / "a.step")
+    fill = "fill", tmp_path / "a.step", "--layer-height", 0.4, "--cell-size", 8
+    done = run(*fill, "--gcode", tmp_path / "a.gcode", columns=250)
+    assert done.returncode == 0, done.stderr
+    assert "spans" in done.stdout
+    assert "of perimeters over air at z 4.2" in done.stdout
+    assert "turn the part (--up, --rotate)" in done.stdout
+    for kind in ("gcode", "ont"):
+        written = tmp_path / f"b.{kind}"
+        said = mistake(capsys, *fill, f"--{kind}", written, "--fail-over", 6)
+        assert "over air (x" in said
+        assert "more than --fail-over 6: turn the part" in said
+        assert not written.exists()

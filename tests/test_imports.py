@@ -31,6 +31,8 @@ MAY_IMPORT = {
     "nearness": INSIDE | {"fields", "kernel"},
     "slicing": INSIDE | {"files", "kernel", "parts", "structure", "svg"},
     "recipes": INSIDE | {"formats", "kernel", "parts"},
+    "cell_size": INSIDE | {"structure", "toolpath"},
+    "limits": INSIDE | {"toolpath"},
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
     "forms": INSIDE | RIM | {"files", "sources"},
@@ -41,9 +43,11 @@ MAY_IMPORT = {
     "pipeline": INSIDE
     | RIM
     | {
+        "cell_size",
         "fields",
         "files",
         "forms",
+        "limits",
         "parts",
         "recipes",
         "report",
@@ -81,6 +85,7 @@ MAY_IMPORT = {
         "exports",
         "files",
         "formats",
+        "limits",
         "notes",
         "ont",
         "options",
@@ -94,6 +99,7 @@ MAY_IMPORT = {
         "view",
         "warm_up",
         "watched",
+        "toolpath",
     },
     "warm_up": {"formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors", "version"},
@@ -243,7 +249,7 @@ def test_triangles_need_no_kernel_and_the_default_route_no_matching(
 ) -> None:
     loaded = loaded_by(
         "import v3dcad\n"
-        f"structure = v3dcad.fill({str(samples / 'pyramid.stl')!r}, layer_height=5)\n"
+        f"structure = v3dcad.fill({str(samples / 'pyramid.stl')!r}, layer_height=0.4)\n"
         f"structure.write_ont({str(tmp_path / 'a.ont')!r})\n"
         f"structure.write_gcode({str(tmp_path / 'a.gcode')!r})"
     )

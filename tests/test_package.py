@@ -55,7 +55,7 @@ def test_the_wheel_fills_a_part_outside_the_checkout(
     for caches in PACKAGE.rglob("__pycache__"):
         shutil.copytree(caches, installed / caches.relative_to(ROOT))
     outside = {"cwd": tmp_path, "env": {**os.environ, "PYTHONPATH": str(installed)}}
-    words = ["fill", str(samples / "pyramid.stl"), "--out", "out", "--layer-height", "2"]
+    words = ["fill", str(samples / "pyramid.stl"), "--out", "out", "--layer-height", "0.4"]
     done = subprocess.run(
         [sys.executable, "-m", "v3dcad", *words, "--profile", "prusa-mk4"],
         capture_output=True, encoding="utf-8", **outside,

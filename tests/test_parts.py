@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import io
 import zipfile
 from pathlib import Path
 
@@ -112,6 +113,17 @@ def test_threemf_bombs_and_ruins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "cut.3mf").write_bytes(path.read_bytes()[:300])
     with pytest.raises(v3dcad.FormatError, match=r"cut\.3mf: not a whole 3MF"):
         v3dcad.part_from(tmp_path / "cut.3mf")
+    for method in (zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
+        packed = io.BytesIO()
+        with zipfile.ZipFile(path) as whole, zipfile.ZipFile(packed, "w", method) as other:
+            for name in whole.namelist():
+                other.writestr(name, whole.read(name))
+                start = packed.tell() - 60
+        damaged = bytearray(packed.getvalue())
+        damaged[start : start + 40] = b"\xff" * 40
+        (tmp_path / "damaged.3mf").write_bytes(damaged)
+        with pytest.raises(v3dcad.FormatError, match=r"damaged\.3mf: not a whole 3MF"):
+            v3dcad.part_from(tmp_path / "damaged.3mf")
     monkeypatch.setattr(threemf_read, "MAX_UNPACKED_BYTES", 1000)
     with pytest.raises(v3dcad.FormatError, match="it unpacks to"):
         v3dcad.part_from(path)

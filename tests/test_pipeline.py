@@ -109,9 +109,15 @@ def bracket(samples: Path) -> Structure:
 def test_gcode_stays_in_the_part_and_lays_every_edge(
     name: str, samples: Path, tmp_path: Path
 ) -> None:
-    structure = v3dcad.fill(samples / name, layer_height=2.0)
+    structure = v3dcad.fill(samples / name, layer_height=0.8)
     settings = PrintSettings(
-        **{**WIDE, "retraction": 1.0, "contour": "centre", "minimum_edge": 0.0}
+        **{
+            **WIDE,
+            "retraction": 1.0,
+            "contour": "centre",
+            "minimum_edge": 0.0,
+            "bridge_speed": 10.0,
+        }
     )
     structure.write_gcode(tmp_path / "a.gcode", settings)
     text = (tmp_path / "a.gcode").read_text(encoding="utf-8")
@@ -216,9 +222,10 @@ def test_ont_of_an_stl_part_regenerates_it(samples: Path, tmp_path: Path) -> Non
 
 def test_every_file_is_the_same_twice(samples: Path, tmp_path: Path) -> None:
     for run in ("one", "two"):
-        structure = v3dcad.fill(samples / "islands.step", layer_height=5.0, cell_size=8.0)
-        for kind in ("ont", "gcode", "step", "png", "report"):
+        structure = v3dcad.fill(samples / "islands.step", layer_height=0.4, cell_size=8.0)
+        for kind in ("ont", "gcode", "step", "report"):
             getattr(structure, f"write_{kind}")(tmp_path / run / f"islands.{kind}")
+        structure.write_picture(tmp_path / run / "islands.png")
     for file in sorted((tmp_path / "one").iterdir()):
         assert file.read_bytes() == (tmp_path / "two" / file.name).read_bytes(), file.name
 
@@ -236,7 +243,7 @@ def test_report_counts_what_the_layers_hold(bracket: Structure, tmp_path: Path) 
 def test_picture_is_a_png_with_something_on_it(bracket: Structure, tmp_path: Path) -> None:
     from matplotlib.image import imread
 
-    bracket.write_png(tmp_path / "a.png")
+    bracket.write_picture(tmp_path / "a.png")
     pixels = imread(tmp_path / "a.png")
     assert pixels.shape[:2] == (1200, 1200)
     assert 0.05 < np.mean(pixels[:, :, :3].min(axis=2) < 0.99) < 0.95

@@ -13,6 +13,7 @@ import pytest
 from test_cli import mistake, run
 
 import v3dcad
+from v3dcad.settings import PrintSettings
 from v3dcad.structure.thesis.loop import ThesisLayer
 
 pytestmark = pytest.mark.slow
@@ -23,8 +24,12 @@ def test_every_file_can_be_written_of_it(samples: Path, tmp_path: Path) -> None:
     structure = v3dcad.fill(
         samples / "pyramid.stl", method="thesis", sites=sites, layer_height=2.5, offset=10.0
     )
-    for kind in ("ont", "gcode", "step", "png", "report"):
+    wide = PrintSettings(nozzle_diameter=2.5, bead_width=2.5, most_flow=1000.0)
+    structure.write_gcode(tmp_path / "a.gcode", wide)
+    structure.write_picture(tmp_path / "a.png")
+    for kind in ("ont", "step", "report"):
         getattr(structure, f"write_{kind}")(tmp_path / f"a.{kind}")
+    for kind in ("ont", "gcode", "step", "png", "report"):
         assert (tmp_path / f"a.{kind}").stat().st_size > 1000
     report = json.loads((tmp_path / "a.report").read_text(encoding="utf-8"))
     layers = [layer for layer in structure.layers if isinstance(layer, ThesisLayer)]
@@ -75,7 +80,7 @@ def test_what_cannot_be_interpolated_is_refused(
     samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     fill = ("fill", samples / "pyramid.stl", "--method", "thesis", "--interpolate")
-    said = mistake(capsys, *fill, "--out", tmp_path / "out", "--layer-height", 5)
+    said = mistake(capsys, *fill, "--out", tmp_path / "out", "--layer-height", 0.4)
     assert "leave --interpolate out" in said
     assert not (tmp_path / "out").exists()
 

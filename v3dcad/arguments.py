@@ -28,10 +28,14 @@ def finite(name: str, value: Any, unit: str = "mm") -> float:
 
 
 def above_zero(name: str, value: Any, unit: str = "mm") -> float:
-    """A finite number above 0, such as a thickness; `SettingError` for anything else."""
+    """A finite number above 0, such as a thickness; `SettingError` for anything else.
+
+    A factor has no `unit`: an empty text.
+    """
     number = _number(value)
     if number is None or not 0 < number < math.inf:
-        raise SettingError(name, f"{name} {_shown(value)}: give a number above 0 {unit}")
+        wanted = f"a number above 0 {unit}".rstrip()
+        raise SettingError(name, f"{name} {_shown(value)}: give {wanted}")
     return number
 
 

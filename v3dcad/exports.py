@@ -59,7 +59,7 @@ def export(
     if kind == "ont":
         structure.write_ont(file, None if how.boundary == "auto" else how.boundary)
     elif kind == "png":
-        structure.write_png(file, printed)
+        structure.write_picture(file, kind="png", printed=printed)
     elif kind == "svg":
         structure.write_svg(file, how.svg_layer)
     elif kind == "stl":
@@ -88,4 +88,5 @@ def print_lines(printed: dict[str, Any]) -> dict[str, str]:
     return {
         "print time": f"{hours_text(printed['time_s'])}, without heating",
         "filament": f"{printed['filament_mm'] / 1000:.2f} m, {printed['mass_g']:.1f} g",
+        "spans": printed["spans"],
     }

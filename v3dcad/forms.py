@@ -257,15 +257,24 @@ class Forms(Protocol):
     def write_3mf(
         self, path: str | Path, form: str = "solid", *, fallback: bool = True, **sizes: Any
     ) -> None:
-        """Write 3MF: a closed mesh of `MESHES`, or "beams" (diameter), a beam lattice.
+        """Write 3MF: a closed mesh of `MESHES`, "beams" (diameter), a beam lattice, or a "project".
 
+        A project (thickness) is for slicers, on their bed: the part, its foam a modifier in it.
         Many slicers know no beams, and refuse the file. With `fallback` the beams carry a mesh for
         viewers that know none (slow for many: they are united first).
         """
+        from v3dcad.formats.mesh.threemf_project import write_project
         from v3dcad.formats.mesh.threemf_writer import write_beams, write_mesh
         from v3dcad.geometry.solid.bar_meshes import bar_mesh
 
         with written_beside(Path(path)) as beside:
+            if form == "project":
+                check_form(form, sizes, {form: ("thickness",)})
+                foam = self.solid_mesh(**sizes)
+                foam = Mesh(self.placement.to_bed(foam.vertices), foam.triangles)
+                height = self.settings.layer_height
+                write_project(beside, self.part.mesh(), foam, self.part.name, height)
+                return
             if form != "beams":
                 if form == "walls":
                     raise SettingError("form", "3MF has no walls without thickness; use write_stl")

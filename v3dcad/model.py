@@ -28,10 +28,8 @@ OUTSIDE = -1
 TRAVEL, EXTRUDE, RETRACT, UNRETRACT = range(4)
 """Kinds of a toolpath's points: what the printer does on the way to the point."""
 
-FEATURES = 9
-NO_FEATURE, RETRACED, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER, BRIDGE = range(
-    FEATURES
-)
+FEATURES = 8
+NO_FEATURE, CELLS, PERIMETER, SOLID, BRIM, SKIRT, INNER_PERIMETER, BRIDGE = range(FEATURES)
 """Features of a toolpath's points: what is printed, or passed again, on the way to the point."""
 
 Progress = Callable[[str, int, int], object]
@@ -396,7 +394,7 @@ class Toolpath(Value):
     """(p,) index of the layer that the step belongs to"""
     feature: Bytes
     """(p,) CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE, BRIM or SKIRT where it extrudes,
-    RETRACED on a way already extruded, NO_FEATURE elsewhere"""
+    NO_FEATURE elsewhere"""
     centre: Floats
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 

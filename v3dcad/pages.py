@@ -62,19 +62,19 @@ class Pages(Protocol):
                 cell,
                 neighbour,
             )
-        height = self.settings.layer_height
+        span, thesis = self.settings.layer_span(), self.settings.method == "thesis"
         facts = {
             "size": size_words(self.part),
-            "layers": f"{len(self.layers)} of {height:g} mm",
+            "layers": f"{len(self.layers)} of {span[0]:g} mm",
             "method": self.settings.method,
         }
         return page(
             self.part.name,
             self.layers,
-            height,
+            span,
             self.part.mesh(),
             facts,
-            () if printing is None else trace(self.layers, printing),
+            () if printing is None else trace(self.layers, printing, thesis=thesis),
             printing,
             first,
             most=MOST_SEGMENTS if most is None else most,

@@ -157,7 +157,7 @@ def _states_unit(source: Any) -> bool:
 
 def _factor(source: Any, unit: str | None, scale: float) -> float:
     """How many mm one step of a source's coordinates is; `SettingError` where it cannot be."""
-    factor = above_zero("scale", scale, "times")
+    factor = above_zero("scale", scale, "")
     if unit is None:
         return factor
     if unit not in UNITS:

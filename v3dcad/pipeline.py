@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from v3dcad.arguments import finite, rows
+from v3dcad.cell_size import Expected, expected_print, with_cell_size
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -62,6 +63,7 @@ from v3dcad.views import Views
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
     from v3dcad.structure.foam.graded import Graded
+    from v3dcad.toolpath.certificate import PrintedOverhang
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -82,6 +84,8 @@ class Structure(Forms, Views, Pages):
     to place made; to the last bit"""
     graded: Graded | None = None
     """how such cells differ from what was asked"""
+    expected: Expected | None = None
+    """what it will take as printed, where its cell size was found for a density or a mass"""
 
     def __repr__(self) -> str:
         what = f"{len(self.layers)} layers, {self.settings.method}"
@@ -126,6 +130,36 @@ class Structure(Forms, Views, Pages):
         """The certificate: how every layer rests on the one below."""
         return overhang(self.layers, bead_width)
 
+    def printed_overhang(self, settings: PrintSettings | None = None) -> PrintedOverhang:
+        """The certificate of a print: what of its beads hangs over the layer below, and where.
+
+        Traces all layers. Raises `GeometryError` where beads span more than `fail_over`,
+        `SettingError` where the structure cannot be printed so.
+        """
+        from v3dcad.toolpath.beads import trace
+        from v3dcad.toolpath.certificate import printed_overhang
+        from v3dcad.toolpath.report import LayerReport
+
+        settings = settings or PrintSettings()
+        self._check_limits(settings)
+        reports: list[LayerReport] = []
+        thesis = self.settings.method == "thesis"
+        for _ in trace(self.layers, settings, reports.append, thesis=thesis):
+            pass
+        return printed_overhang(reports)
+
+    def _check_limits(self, settings: PrintSettings) -> None:
+        from v3dcad.limits import check_cells, check_limits
+
+        size = self.settings.cell_size
+        if self.graded is not None:
+            check_cells(self.graded.asked[1], settings)
+        elif isinstance(size, float | int) and size < auto_cell_size(
+            np.ptp(self.part.bounds, axis=0)
+        ):
+            check_cells(size, settings)
+        check_limits(self.settings, settings)
+
     def properties(
         self, wall_width: float = PrintSettings().wall_width(), density: float = 1.24
     ) -> Properties:
@@ -135,6 +169,10 @@ class Structure(Forms, Views, Pages):
         """
         height, base = self.settings.layer_span()
         return properties(self.layers, height, wall_width, density, base=base)
+
+    def plastic(self, printing: PrintSettings | None = None) -> Expected:
+        """What the part takes as printed, brim and skirt left out, from beads on some layers."""
+        return expected_print(self.layers, self.settings, printing or PrintSettings())
 
     def facets(self, beyond: float = 0.0) -> Facets:
         """The walls between cells in the part's box and `beyond` mm around it, bed coordinates.
@@ -188,16 +226,19 @@ class Structure(Forms, Views, Pages):
     def write_gcode(self, path: str | Path, settings: PrintSettings | None = None) -> Print:
         """Write G-code, the part in the middle of the bed, and tell what the print takes.
 
-        Raises `SettingError` where the part is larger than the printer.
+        Raises `SettingError` where the part is larger than the printer, or settings do not fit each
+        other (see `limits.py`).
         """
         from v3dcad.formats.gcode.writer import check_fits, write_gcode
         from v3dcad.toolpath.beads import trace
         from v3dcad.toolpath.report import LayerReport, findings
 
         settings = settings or PrintSettings()
+        self._check_limits(settings)
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
-        toolpaths = trace(self.layers, settings, reports.append)
+        thesis = self.settings.method == "thesis"
+        toolpaths = trace(self.layers, settings, reports.append, thesis=thesis)
         with (
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,
@@ -220,6 +261,8 @@ class Structure(Forms, Views, Pages):
         told = report(self.part, self.filling, self.layers, self.overhang(width), width, printed)
         if self.graded is not None:
             told["graded"] = graded_report(self.graded)
+        if self.expected is not None:
+            told["expected"] = asdict(self.expected)
         return told
 
     def write_report(
@@ -241,16 +284,20 @@ def build(
     sites: Floats | None = None,
     executor: Executor | None = None,
     progress: Progress = unheard,
+    printing: PrintSettings | None = None,
 ) -> Structure:
     """Part → sections → structure; opens no port or window, and files only as a cell size names
     them.
 
     `sites` (n, 3), mm, bed coordinates, or (n, 2) for columns, take the place of those that the
     settings say. An executor computes several sections at a time; `progress` hears of the steps
-    in which the sites of cells of many sizes are made. Raises `SettingError` where
-    settings do not fit the part, `GeometryError` or `KernelError` where it cannot be cut.
+    in which the sites of cells of many sizes are made. A density or a mass in the settings is that
+    of the part as `printing` prints it, by default `PrintSettings()`; the structure's settings then
+    have the cell size that it takes. Raises `SettingError` where settings do not fit the part,
+    `GeometryError` or `KernelError` where it cannot be cut.
     """
-    return fill_sectioned(sectioned(part, settings, executor), settings, sites, progress)
+    found = sectioned(part, settings, executor)
+    return fill_sectioned(found, settings, sites, progress, printing)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -282,6 +329,7 @@ def fill_sectioned(
     settings: FillSettings,
     sites: Floats | None = None,
     progress: Progress = unheard,
+    printing: PrintSettings | None = None,
 ) -> Structure:
     """The second half of `build`, for a part that was cut by the same settings."""
     if sites is not None:
@@ -295,6 +343,13 @@ def fill_sectioned(
             "all sites lie outside the part's base rectangle, "
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
+
+    def layers_by(sized: FillSettings) -> Sequence[Layer]:
+        return fill_sectioned(found, sized, None, progress).layers
+
+    settings, expected = with_cell_size(
+        found.sections, part.bounds, settings, printing or PrintSettings(), layers_by, progress
+    )
     graded: Graded | None = None
     sizes = None if sites is not None else sizes_of(settings, part)
     if sizes is not None:
@@ -311,7 +366,7 @@ def fill_sectioned(
     if settings.lofts:
         assert isinstance(filling, ThesisFilling)
         layers = lofted(filling, found.heights)
-    return Structure(part, part.placement, filling, layers, sites, graded)
+    return Structure(part, part.placement, filling, layers, sites, graded, expected)
 
 
 def sizes_of(settings: FillSettings, part: Part) -> Callable[[Floats], Floats] | None:
@@ -349,6 +404,7 @@ def fill(
     verify: bool = True,
     executor: Executor | None = None,
     progress: Progress = unheard,
+    printing: PrintSettings | None = None,
     **settings: Any,
 ) -> Structure:
     """Fill a part with a foam, or with the thesis's structure.
@@ -360,19 +416,23 @@ def fill(
     also how many to scatter. An executor (of threads, of processes, a cluster's) computes several
     sections at a time. With a `cell_size` that is an expression or a function of x, y, z (n,), mm,
     where the source lies, cells are as large as it says; `progress` hears of the steps in which
-    they are made. Further settings are the fields of `FillSettings`. What a recipe says is
-    taken from it, unless given here; where nothing is, the structure must have the recipe's check
-    sum (`verify=False`: need not). Raises `V3dcadError`s that say what to do.
+    they are made. `printing` says how the part is printed, by default `PrintSettings()`; a
+    `density` or a `mass` is that of the print. Further settings are the fields of `FillSettings`.
+    What a recipe says is taken from it, unless given here; where nothing is, the structure must
+    have the recipe's check sum (`verify=False`: need not). Raises `V3dcadError`s that say what to
+    do.
     """
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".ont":
         source = read_ont(source)
     if isinstance(source, Recipe):
         if sites is not None or settings:
             source = changed(source, sites, settings)
-        return build_recipe(source, verify=verify, executor=executor, progress=progress)
+        return build_recipe(
+            source, verify=verify, executor=executor, progress=progress, printing=printing
+        )
     if sites is None or isinstance(sites, Real):
         chosen = known_settings(settings if sites is None else {**settings, "sites": sites})
-        return build(part_from(source), chosen, None, executor, progress)
+        return build(part_from(source), chosen, None, executor, progress, printing)
     explicit = given_sites(sites)
     chosen = known_settings(settings, explicit)
     return build(part_from(source), chosen, explicit, executor, progress)
@@ -384,13 +444,15 @@ def build_recipe(
     verify: bool = True,
     executor: Executor | None = None,
     progress: Progress = unheard,
+    printing: PrintSettings | None = None,
 ) -> Structure:
     """The structure of a recipe; where a source was moved to the bed, it lies where that lay.
 
     Raises `FormatError` where the structure is not the one whose check sum the recipe has,
     unless `verify` is off; otherwise as `build`.
     """
-    structure = build(part_of(recipe), recipe.settings, sites_of(recipe), executor, progress)
+    part, sites = part_of(recipe), sites_of(recipe)
+    structure = build(part, recipe.settings, sites, executor, progress, printing)
     if verify and recipe.checksum is not None:
         differences = structure.checksum().differences(recipe.checksum)
         if differences:

@@ -15,7 +15,7 @@ from v3dcad.errors import SettingError
 from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Floats, Mesh, Part, Recipe, size_words
 from v3dcad.parts import MeshPart, check_readable
-from v3dcad.settings import FillSettings, declared, option
+from v3dcad.settings import SIZING, FillSettings, declared, option
 
 BOUNDARIES = ("stl", "exact")
 """How an `.ont` file may hold the part: as the thesis does, or to the last bit and small."""
@@ -96,13 +96,14 @@ def sites_of(recipe: Recipe) -> Floats | None:
 def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
     """The recipe of another structure, which has no check sum yet.
 
-    Another method, random seed, cell size or number of sites makes other sites; places (n, 2) or
-    (n, 3) take their place. Raises `SettingError` for settings that do not fit the sites, and for
-    a random seed or a roof size without a cell size where a foam's sites are listed.
+    Another method, random seed, cell size, density, mass or number of sites makes other sites;
+    places (n, 2) or (n, 3) take their place. Raises `SettingError` for settings that do not fit the
+    sites, and for a random seed or a roof size without a cell size where a foam's sites are listed.
     """
     kept = sites_of(recipe)
     method = settings.get("method", recipe.settings.method)
     same = method == recipe.settings.method
+    sized = any(settings.get(name, "off") != "off" for name in SIZING)
     kept = kept if same else None
     before = {
         name: getattr(recipe.settings, name)
@@ -118,8 +119,8 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
             before["sites"] = len(kept)
         else:
             before["cell_size"] = before["stretch"] = "auto"
-    elif {"random_seed", "cell_size", "roof_size"} & settings.keys():
-        if kept is not None and method == "foam" and "cell_size" not in settings:
+    elif {"random_seed", "roof_size"} & settings.keys() or sized:
+        if kept is not None and method == "foam" and not sized:
             name = next(name for name in ("random_seed", "roof_size") if name in settings)
             raise SettingError(
                 name,
@@ -127,6 +128,8 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
                 "give --cell-size too, or leave it out",
             )
         kept = None
+    if sized:
+        before["cell_size"] = "auto"  # what is given says how large cells are
     chosen = known_settings({**before, **settings})
     if kept is not None:
         check_fits_sites(chosen, kept)
@@ -150,16 +153,14 @@ def check_fits_sites(settings: FillSettings, sites: Floats) -> None:
         if not in_plane:
             raise SettingError("sites", "--method thesis takes sites as rows of x, y")
         return
-    if settings.cell_size != "auto":
-        raise SettingError(
-            "cell_size", f"--cell-size {settings.cell_size}: sites are given, which say where the "
-            "cells are; leave one of the two out",
-        )  # fmt: skip
-    if settings.roof_size != "off":
-        raise SettingError(
-            "roof_size", f"--roof-size {settings.roof_size}: sites are given, which say where the "
-            "cells are; leave one of the two out",
-        )  # fmt: skip
+    for name in (*SIZING, "roof_size"):
+        value = getattr(settings, name)
+        if value not in ("auto", "off"):
+            raise SettingError(
+                name,
+                f"{option(name)} {value}: sites are given, which say where the cells are; leave "
+                "one of the two out",
+            )
     if in_plane and not isinstance(settings.stretch, str):
         raise SettingError(
             "stretch", f"--stretch {settings.stretch:g}: sites of x, y are columns; give their z, "

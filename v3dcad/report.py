@@ -20,6 +20,7 @@ from v3dcad.structure.foam.sites import FoamSites
 from v3dcad.structure.foam.space import steepest_in, tilt
 from v3dcad.structure.overhang import Overhang
 from v3dcad.structure.thesis.loop import ThesisFilling
+from v3dcad.toolpath.certificate import PrintedOverhang, printed_overhang
 from v3dcad.toolpath.report import LayerReport
 
 if TYPE_CHECKING:
@@ -36,6 +37,11 @@ class Print:
     totals: Totals
     layers: list[LayerReport]
     findings: list[str]
+
+    @property
+    def overhang(self) -> PrintedOverhang:
+        """What of the printed beads has nothing under it."""
+        return printed_overhang(self.layers)
 
 
 def report(
@@ -96,6 +102,7 @@ def report(
     if printed is not None:
         told["print"] = dataclasses.asdict(printed.totals) | {
             "bounds": printed.totals.bounds.tolist(),
+            "spans": printed.overhang.line(),
             "findings": printed.findings,
             "by_layer": [dataclasses.asdict(layer) for layer in printed.layers],
         }

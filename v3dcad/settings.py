@@ -45,6 +45,8 @@ class Declared:
     """whether a function of x, y, z may, or an expression of them"""
     also: tuple[float, ...] = ()
     """numbers that are allowed outside the range"""
+    share: bool = False
+    """whether it is a share, which may be written in percent: "15%" is 0.15"""
     method: str | None = None
     """the method that it is a setting of; None: of all"""
 
@@ -66,6 +68,8 @@ class Declared:
             return value
         if isinstance(value, str) and (value in self.words or self.fields):
             return value
+        if isinstance(value, str) and self.share:
+            value = _share(value)
         if self.fields and callable(value):
             return value
         kind: Any = Real if float in kinds else Integral
@@ -95,8 +99,10 @@ class Declared:
                 name, f"{option(name)} {value}: give a number of at least {self.least:g}{unit}"
             )
         if value > self.most:
+            percent = f", or {value:g}%" if self.share else ""
             raise SettingError(
-                name, f"{option(name)} {value}: give a number of at most {self.most:g}{unit}"
+                name,
+                f"{option(name)} {value}: give a number of at most {self.most:g}{unit}{percent}",
             )
 
 
@@ -142,6 +148,14 @@ def _kinds(cls: Any) -> dict[str, tuple[Any, ...]]:
     return {name: get_args(hints[name]) or (hints[name],) for name in cls.__dataclass_fields__}
 
 
+def _share(text: str) -> float | str:
+    """The share that a text says in percent; the text where it says none."""
+    try:
+        return float(text.strip().removesuffix("%")) / 100 if text.strip().endswith("%") else text
+    except ValueError:
+        return text
+
+
 def _python_value(value: Any) -> Any:
     """A value as Python has it where it is a NumPy scalar; `.ont` and JSON know no others."""
     return value.item() if getattr(value, "shape", None) == () else value
@@ -166,6 +180,10 @@ class SectionSettings(Checked):
     )
 
 
+SIZING = ("cell_size", "density", "mass")
+"""Settings of a fill that say how large cells are; one of them does."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FillSettings(SectionSettings):
     """How a part is filled."""
@@ -184,6 +202,24 @@ class FillSettings(SectionSettings):
         above=0,
         words=("auto",),
         fields=True,
+        method="foam",
+    )
+    density: float | str = setting(
+        "off",
+        "Share of the part's volume that is printed: walls, perimeters and skins as the print "
+        "settings make them. Cells get the size that it takes. 0.15 or 15%.",
+        above=0,
+        most=1,
+        words=("off",),
+        share=True,
+        method="foam",
+    )
+    mass: float | str = setting(
+        "off",
+        "What the printed part weighs, brim and skirt left out. Cells get the size that it takes.",
+        unit="g",
+        above=0,
+        words=("off",),
         method="foam",
     )
     roof_size: float | str = setting(
@@ -272,6 +308,20 @@ class FillSettings(SectionSettings):
         for name, field in FillSettings.__dataclass_fields__.items():
             if getattr(self, name) != field.default:
                 self.refuse_other(name, self.method)
+        given = [name for name in SIZING if getattr(self, name) not in ("auto", "off")]
+        if len(given) > 1:
+            raise SettingError(
+                given[1],
+                f"{option(given[1])}: {option(given[0])} says how large cells are, too; leave one "
+                "of the two out",
+            )
+
+    def wish(self) -> tuple[str, float] | None:
+        """The setting that a cell size is to be found for, density or mass, and its number."""
+        for name in SIZING[1:]:
+            if getattr(self, name) != "off":
+                return name, float(getattr(self, name))
+        return None
 
     def section_above(self) -> float:
         """How far above a layer's base its section is taken, mm."""
@@ -321,6 +371,18 @@ M84
 """
 
 
+def _acceleration(what: str) -> Any:
+    """A setting for the acceleration of one kind of beads."""
+    return setting(
+        "same",
+        f"Acceleration while extruding {what}; same is that of cells.",
+        unit="mm/s²",
+        least=1,
+        most=1_000_000,
+        words=("same",),
+    )
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PrintSettings(Checked):
     """How a structure is printed. The defaults are a stock Ender 3 with an 0.4 mm nozzle and PLA.
@@ -333,6 +395,7 @@ class PrintSettings(Checked):
         "Creality Ender 3 family, 0.4 mm nozzle, PLA",
         "What the G-code is for, as its header says.",
     )
+    nozzle_diameter: float = setting(0.4, "Diameter of the nozzle.", unit="mm", least=0.01, most=20)
     bead_width: float = setting(
         0.45,
         "Width of one extruded bead; a little more than the nozzle's diameter.",
@@ -374,17 +437,17 @@ class PrintSettings(Checked):
         "or after them.",
         choices=("together", "before", "after"),
     )
-    route: str = setting(
-        "joined",
-        "How walls are printed: of two beads in one closed stroke; or of one bead, in a stroke "
-        "with the least retrace, in trails that pass nothing twice, or cell after cell along the "
-        "spanning tree.",
-        choices=("joined", "least-retrace", "trails", "tree"),
+    wall_beads: int = setting(
+        2,
+        "Beads to a wall between cells: two, or one for light parts, where some walls are passed "
+        "twice with half the plastic. Each region is one closed stroke.",
+        least=1,
+        most=2,
     )
     seam: str = setting(
         "aligned",
-        "Where the outermost perimeter begins and ends, by route joined: above the seam below, "
-        "else in the sharpest corner; at the rear; or somewhere else on each layer.",
+        "Where the outermost perimeter begins and ends, with two beads to a wall: above the seam "
+        "below, else in the sharpest corner; at the rear; or somewhere else on each layer.",
         choices=("aligned", "rear", "scattered"),
     )
     bottom_layers: int = setting(
@@ -452,6 +515,9 @@ class PrintSettings(Checked):
     slowest_speed: float = setting(
         10.0, "Lowest speed that a layer is slowed down to.", unit="mm/s", least=0.1, most=2000
     )
+    most_speed: float = setting(
+        500.0, "Highest speed of the machine in x and y.", unit="mm/s", least=0.1, most=2000
+    )
     most_flow: float = setting(
         15.0,
         "Most filament that the nozzle melts; it limits speeds.",
@@ -461,8 +527,12 @@ class PrintSettings(Checked):
     )
     z_speed: float = setting(10.0, "Speed of moves in z alone.", unit="mm/s", least=0.1, most=2000)
     acceleration: float = setting(
-        500.0, "Acceleration of every move.", unit="mm/s²", least=1, most=1_000_000
+        500.0, "Acceleration while extruding cells.", unit="mm/s²", least=1, most=1_000_000
     )
+    perimeter_acceleration: float | str = _acceleration("perimeters")
+    solid_acceleration: float | str = _acceleration("solid layers")
+    bridge_acceleration: float | str = _acceleration("solid layers over air and cells")
+    travel_acceleration: float | str = _acceleration("nothing")
     corner_speed: float = setting(
         8.0, "Speed at which a right-angled corner is taken.", unit="mm/s", least=0, most=2000
     )
@@ -472,6 +542,15 @@ class PrintSettings(Checked):
     )
     filament_density: float = setting(
         1.24, "Density of the filament; PLA's is 1.24.", unit="g/cm³", least=0.01, most=25
+    )
+    pressure_advance: float | str = setting(
+        "off",
+        "How far the filament is fed ahead when the speed rises: K of M900 (Marlin), S of M572 "
+        "(RepRapFirmware), ADVANCE of Klipper; off leaves the printer's own.",
+        unit="s",
+        least=0,
+        most=10,
+        words=("off",),
     )
     retraction: float = setting(
         5.0, "Filament pulled back before a travel.", unit="mm", least=0, most=50
@@ -506,6 +585,14 @@ class PrintSettings(Checked):
     fan_from_layer: int = setting(1, "First layer that the fan blows at.", least=0)
     fan_full_layer: int = setting(
         3, "Layer from which the fan has its full power; before, it speeds up evenly.", least=0
+    )
+
+    fail_over: float | str = setting(
+        "off",
+        "Print nothing, with exit code 2, where beads span more than this over air or cells.",
+        unit="mm",
+        least=0,
+        words=("off",),
     )
 
     flavour: str = setting(
@@ -543,8 +630,8 @@ class PrintSettings(Checked):
         return width, depth
 
     def wall_width(self) -> float:
-        """Width of a wall between two cells as it is printed, mm: two beads by the route joined."""
-        return 2 * self.bead_width if self.route == "joined" else self.bead_width
+        """Width of a wall between two cells as it is printed, mm."""
+        return self.wall_beads * self.bead_width
 
     def solid_layers(self) -> tuple[int, int]:
         """How many layers are solid at faces that look down, and at those that look up."""
@@ -553,6 +640,21 @@ class PrintSettings(Checked):
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""
         return self.retraction > 0 or self.retraction_by == "firmware"
+
+    def acceleration_of(self, what: str) -> float:
+        """Acceleration of perimeter, solid, bridge or travel, mm/s²."""
+        value = getattr(self, f"{what}_acceleration")
+        return self.acceleration if isinstance(value, str) else float(value)
+
+    def switches_for_travel(self) -> bool:
+        """Whether each travel must be told its acceleration: Klipper has one for all moves."""
+        extruding = (self.acceleration_of(what) for what in ("perimeter", "solid", "bridge"))
+        same = {self.acceleration, self.acceleration_of("travel"), *extruding}
+        return self.flavour == "klipper" and len(same) > 1
+
+    def counts_from_before(self) -> bool:
+        """Whether filament is counted from the move before; Klipper's arcs know no other way."""
+        return self.extrusion == "relative" or (self.arcs and self.flavour == "klipper")
 
     def filament_area(self) -> float:
         """Cross-section of the filament, mm²."""
@@ -575,8 +677,9 @@ class ExportSettings(Checked):
     )
     threemf_as: str = setting(
         "solid",
-        "What the 3MF file holds: a closed mesh, or beams, which few slicers read.",
-        choices=("solid", "struts", "beads", "beams"),
+        "What the 3MF file holds: a closed mesh; beams, which few slicers read; or a project for "
+        "slicers: the part, its foam a modifier in it.",
+        choices=("solid", "struts", "beads", "beams", "project"),
     )
     stl_as: str = setting(
         "walls", "What the STL file holds.", choices=("walls", "solid", "struts", "beads")
@@ -591,6 +694,8 @@ class ExportSettings(Checked):
         """What a form of `Structure.write_step` and its like takes."""
         if form == "solid":
             return {"thickness": self.thickness, "skin": self.skin}
+        if form == "project":
+            return {"thickness": self.thickness}
         if form in ("struts", "beams"):
             return {"diameter": self.diameter}
         return {"width": bead_width} if form == "beads" else {}

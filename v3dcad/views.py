@@ -5,6 +5,7 @@ matplotlib is loaded when a picture is drawn.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
 from v3dcad.model import Layer, Part, Placement, size_words
-from v3dcad.settings import PrintSettings
+from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.view.targets.preview import preview
 from v3dcad.view.targets.shown import Preview
 
@@ -25,6 +26,9 @@ IN_SPACE = ("full", "overhang")
 PICTURES = {".png": "png", ".svg": "svg"}
 """Kinds of pictures, by how their files' names end."""
 
+THUMBNAIL_WALLS = 20_000
+"""Of so many edges the walls of a thumbnail are painted: in its few pixels more look the same."""
+
 
 class Views(Protocol):
     """The visible side of a structure: what it must have, and how it then is shown."""
@@ -34,6 +38,11 @@ class Views(Protocol):
     part: Part
     placement: Placement
     layers: Sequence[Layer]
+
+    @property
+    @abstractmethod
+    def settings(self) -> FillSettings:
+        """What it was filled with."""
 
     def preview(
         self,
@@ -61,7 +70,9 @@ class Views(Protocol):
     ) -> Preview:
         from v3dcad.toolpath.beads import trace
 
-        toolpaths = trace(self.layers, printing or PrintSettings())  # nothing is traced yet
+        thesis = self.settings.method == "thesis"
+        # Nothing is traced yet.
+        toolpaths = trace(self.layers, printing or PrintSettings(), thesis=thesis)
         return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths)
 
     def picture(
@@ -86,22 +97,33 @@ class Views(Protocol):
         """
         if kind not in PICTURES.values():
             raise SettingError("kind", f"--kind {kind}: give {' or '.join(PICTURES.values())}")
-        from v3dcad.view.figures import part_picture, plane_picture
-        from v3dcad.view.picture import choose
+        if target in IN_SPACE:
+            return self._in_space(kind, target, printed)
+        from v3dcad.view.figures import plane_picture
         from v3dcad.view.targets.sizes import size_distribution
 
-        name = self.part.name
-        if target in IN_SPACE:
-            chosen = choose(self.layers)
-            facts = self._facts(chosen.cells, printed)
-            if chosen.thinned:
-                facts += f"; one in {chosen.step} of {len(self.layers)} layers is drawn"
-            tilts = target == "overhang"
-            return part_picture(chosen.layers, self.part.mesh(), name, facts, kind, tilts=tilts)
         index = len(self.layers) // 2 if layer is None else layer
         shown = self._shown(Placement.none(), target, index, cell, neighbour, printing)
         distribution = size_distribution(self.layers) if target == "sizes" else None
-        return plane_picture(shown, name, kind, ids=ids, distribution=distribution)
+        return plane_picture(shown, self.part.name, kind, ids=ids, distribution=distribution)
+
+    def _in_space(self, kind: str, target: str, printed: Print | None) -> bytes:
+        from v3dcad.view.figures import part_picture
+        from v3dcad.view.picture import choose
+
+        chosen = choose(self.layers)
+        facts = self._facts(chosen.cells, printed)
+        if chosen.thinned:
+            facts += f"; one in {chosen.step} of {len(self.layers)} layers is drawn"
+        return part_picture(
+            chosen.layers,
+            self.part.mesh(),
+            self.settings.layer_span()[1],
+            self.part.name,
+            facts,
+            kind,
+            tilts=target == "overhang",
+        )
 
     def write_picture(
         self,
@@ -111,40 +133,35 @@ class Views(Protocol):
         cell: int | None = None,
         neighbour: int | None = None,
         *,
+        kind: str | None = None,
         ids: bool = False,
         printing: PrintSettings | None = None,
+        printed: Print | None = None,
     ) -> None:
-        """Write a picture of a target; `path` ends in .png or .svg, the rest is as in `picture`.
+        """Write a picture of a target as in `picture`; its `kind` is by default how `path` ends.
 
         The foam within an SVG of the whole structure, or of its overhang, is a painted image.
         """
         path = Path(path)
-        kind = PICTURES.get(path.suffix.lower())
+        kind = kind or PICTURES.get(path.suffix.lower())
         if kind is None:
             raise SettingError("path", f"{path}: not a kind of picture; give .png or .svg")
         with written_beside(path) as beside:
             beside.write_bytes(
-                self.picture(target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing)
-            )
-
-    def write_png(self, path: str | Path, printed: Print | None = None) -> None:
-        """Draw the part translucent, its walls, and a quarter cut away, as PNG.
-
-        The title tells size and cells, and mass and time of what `write_gcode` told (`printed`).
-        """
-        with written_beside(Path(path)) as beside:
-            beside.write_bytes(self.picture(printed=printed))
+                self.picture(
+                    target, layer, cell, neighbour,
+                    kind=kind, ids=ids, printing=printing, printed=printed,
+                )
+            )  # fmt: skip
 
     def thumbnail(self, pixels: int = 220) -> bytes:
-        """The same without words, as the bytes of a small PNG."""
+        """The picture of the whole structure without words, as the bytes of a small PNG."""
         from v3dcad.view.figures import part_picture
         from v3dcad.view.picture import choose
 
-        return part_picture(choose(self.layers).layers, self.part.mesh(), pixels=pixels)
-
-    def _repr_png_(self) -> bytes:
-        """How a notebook shows it."""
-        return self.picture()
+        layers = choose(self.layers, THUMBNAIL_WALLS).layers
+        base = self.settings.layer_span()[1]
+        return part_picture(layers, self.part.mesh(), base, pixels=pixels)
 
     def _facts(self, cells: int, printed: Print | None) -> str:
         """What the title of a picture tells of the structure."""

@@ -31,7 +31,7 @@ def warm_up() -> None:
 
 
 def _make(source: object) -> None:
-    structure = fill(part_from(source, repair=True), cell_size=1.0, layer_height=0.5)
+    structure = fill(part_from(source, repair=True), cell_size=1.0, layer_height=0.4)
     structure.report()
     with TemporaryDirectory() as folder:
         gcode = Path(folder) / "a.gcode"

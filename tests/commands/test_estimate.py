@@ -44,7 +44,7 @@ def test_little_is_not_told_and_much_is(capsys: pytest.CaptureFixture[str]) -> N
 def test_what_has_no_room_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     many = Estimate(1_000_000, 20_000)
     monkeypatch.setattr(estimate, "_memory", lambda: 8_000_000_000)
-    with pytest.raises(SettingError, match=r"1,003 GB of memory .* of which there are 8 GB; take"):
+    with pytest.raises(SettingError, match=r"1,003 GB of memory, of which there are 8 GB; take"):
         tell(many, None)
     monkeypatch.setattr(estimate, "_memory", lambda: None)
     monkeypatch.setattr(estimate, "_room", lambda file: 1_000_000)

@@ -14,7 +14,11 @@ def seconds(steps: list[list[float]], speed: float, **given: float) -> float:
     length = np.linalg.norm(moves, axis=1)
     options = PrintSettings(**given)  # type: ignore[arg-type]
     asked = np.full(len(moves), speed)
-    return float(move_seconds(moves, length, np.zeros(len(moves)), asked, options).sum())
+    accelerations = np.full(len(moves), options.acceleration)
+    still = np.zeros(len(moves))
+    return float(
+        move_seconds(moves, length, still, asked, accelerations, options.corner_speed).sum()
+    )
 
 
 def test_one_move_speeds_up_runs_and_slows_down() -> None:
@@ -41,9 +45,18 @@ def test_a_right_angle_is_passed_at_the_corner_speed() -> None:
 def test_a_faster_move_speeds_up_after_the_slower_one() -> None:
     moves = np.array([[10.0, 0, 0], [100, 0, 0]])
     found = move_seconds(
-        moves, moves[:, 0], np.zeros(2), np.array([10.0, 50]), PrintSettings(acceleration=500)
+        moves, moves[:, 0], np.zeros(2), np.array([10.0, 50]), np.full(2, 500.0), 8.0
     )
     assert found == pytest.approx([10 / 500 + 9.9 / 10, 40 / 500 + 50 / 500 + 95.1 / 50])
+
+
+def test_each_move_has_its_own_acceleration() -> None:
+    # Up to 50 mm/s at 500 mm/s², straight on, and down from it at 1,000 mm/s².
+    moves = np.array([[10.0, 0, 0], [10.0, 0, 0]])
+    found = move_seconds(
+        moves, moves[:, 0], np.zeros(2), np.full(2, 50.0), np.array([500.0, 1000]), 8.0
+    )
+    assert found == pytest.approx([50 / 500 + 7.5 / 50, 50 / 1000 + 8.75 / 50])
 
 
 def test_turning_back_stops() -> None:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,6 @@ from v3dcad.model import (
     CELLS,
     EXTRUDE,
     PERIMETER,
-    RETRACED,
     RETRACT,
     SKIRT,
     SOLID,
@@ -28,10 +27,11 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import bead_area, trace
+from v3dcad.toolpath.bead import bead_area
+from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.report import LayerReport, findings
 
-ROUTES = ["least-retrace", "trails", "tree"]
+THESIS = pytest.mark.parametrize("thesis", [False, True])
 ORDERS = ["together", "before", "after"]
 
 
@@ -48,10 +48,13 @@ def drawn(toolpath: Toolpath, *features: int) -> shapely.Geometry:
     return shapely.multilinestrings(shapely.linestrings(steps(toolpath, *features)))
 
 
-def traced(made: Layer | list[Layer], **settings: Any) -> tuple[list[Toolpath], list[LayerReport]]:
+def traced(
+    made: Layer | list[Layer], *, thesis: bool = False, **settings: Any
+) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
     layers = made if isinstance(made, list) else [made]
-    paths = list(trace(layers, PrintSettings(**{**WIDE, **settings}), reports.append))
+    chosen = PrintSettings(**{**WIDE, **settings})
+    paths = list(trace(layers, chosen, reports.append, thesis=thesis))
     return paths, reports
 
 
@@ -60,15 +63,13 @@ def cell_edges(made: Layer) -> shapely.Geometry:
     return shapely.multilinestrings(shapely.linestrings(made.diagram.vertices[inner]))
 
 
-@pytest.mark.parametrize("route", ROUTES)
+@THESIS
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("contour", ["inset", "centre"])
-def test_every_cell_edge_and_perimeter_is_extruded_once(
-    route: str, order: str, contour: str
-) -> None:
+def test_every_cell_edge_and_perimeter_is_extruded(thesis: bool, order: str, contour: str) -> None:
     made = layer(scattered(25, 10, 3), square(10, hole=2))
-    (path,), _ = traced(
-        made, route=route, perimeter_order=order, contour=contour, perimeters=2, minimum_edge=0.0
+    (path,), (report,) = traced(
+        made, thesis=thesis, perimeter_order=order, contour=contour, perimeters=2, minimum_edge=0.0
     )
     outermost = 0.4 if contour == "inset" else 0.0
     area = area_of(made.section)
@@ -77,10 +78,13 @@ def test_every_cell_edge_and_perimeter_is_extruded_once(
     )
     perimeters = shapely.union(outer.boundary, inner.boundary)
     cells = shapely.intersection(cell_edges(made), inner)
+    assert drawn(path).length == pytest.approx(
+        perimeters.length + cells.length + report.retraced, rel=1e-9
+    )
+    assert (report.retraced == 0) == thesis
     for feature, expected in ((PERIMETER, perimeters), (CELLS, cells)):
         found = drawn(path, feature)
-        assert found.length == pytest.approx(expected.length, rel=1e-9)
-        assert shapely.union_all(found).length == pytest.approx(found.length, rel=1e-9)
+        assert shapely.union_all(found).length == pytest.approx(expected.length, rel=1e-6)
         assert found.buffer(1e-6).covers(expected)
         assert expected.buffer(1e-6).covers(found)
 
@@ -107,13 +111,13 @@ def test_an_inset_print_has_the_size_of_the_part() -> None:
 
 def test_volume_is_length_times_area_times_flow() -> None:
     layers = stack(3)
-    paths, _ = traced(layers, flow=90.0, first_layer_flow=120.0, first_layer_height=0.3)
+    paths, reports = traced(layers, flow=90.0, first_layer_flow=120.0, first_layer_height=0.3)
     plain, _ = traced(layers)
     for number, path in enumerate(paths):
         height = 0.3 if number == 0 else 0.2
         flow = 1.2 if number == 0 else 0.9
         assert path.volume == pytest.approx(plain[number].volume * flow * height / 0.2, rel=1e-9)
-        full = drawn(path).length * 0.8 * height * flow
+        full = (drawn(path).length - reports[number].retraced) * 0.8 * height * flow
         # Less than the full bead only where walls meet.
         assert 0.9 * full < path.volume.sum() < full
         assert (path.volume[path.kind != EXTRUDE] == 0).all()
@@ -145,38 +149,62 @@ def test_bead_areas(width: float, height: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("route", "half"), [("joined", 1.1), ("joined", 3.5), *product(["joined", *ROUTES], [10.0])]
+    ("wall_beads", "thesis", "half"),
+    [(2, False, 1.1), (2, False, 3.5), (2, False, 10.0), (1, False, 10.0), (1, True, 10.0)],
 )
-def test_the_volume_is_that_of_the_area_covered(route: str, half: float) -> None:
+def test_the_volume_is_that_of_the_area_covered(wall_beads: int, thesis: bool, half: float) -> None:
     """Shapely lays the beads; where a part is thin, perimeters have little room."""
     made = layer(scattered(25, half, 3), square(half))
-    (path,), _ = traced(made, route=route, perimeters=2, bead_width=0.4)
+    (path,), _ = traced(made, thesis=thesis, wall_beads=wall_beads, perimeters=2, bead_width=0.4)
     covered = drawn(path).buffer(0.2).area * 0.2
     assert path.volume.sum() == pytest.approx(covered, rel=0.02)
 
 
-def test_least_retrace_is_one_stroke_and_meets_its_bound() -> None:
-    _, reports = traced(stack(4, 30))
-    for report in reports:
-        assert report.strokes == 1
-        assert report.retractions == 0
-        assert report.retraced == pytest.approx(report.least_retraced, abs=0.01)
+def test_one_bead_is_one_wet_stroke() -> None:
+    paths, reports = traced(stack(4, 30))
+    for path, report in zip(paths, reports, strict=True):
+        assert (report.strokes, report.retractions) == (1, 0)
+        kinds = path.kind == EXTRUDE
+        # Once it extrudes, it does not stop.
+        assert kinds[np.argmax(kinds) :].all()
+        assert 0.1 < report.retraced / report.extruded < 0.25
 
 
-def test_trails_retrace_nothing() -> None:
-    _, reports = traced(stack(2, 30), route="trails", retraction=1.0, retraction_travel=0.0)
+def test_what_is_passed_twice_is_laid_by_halves() -> None:
+    """Both ways the same, and together what one pass of the thesis lays there."""
+    made = layer(scattered(25, 10, 3), square(10))
+    laid: list[dict[tuple[float, ...], list[float]]] = []
+    for thesis in (False, True):
+        (path,), _ = traced(made, thesis=thesis, minimum_edge=0.0)
+        amounts: dict[tuple[float, ...], list[float]] = {}
+        extruding = path.kind[1:] == EXTRUDE
+        for ends, volume in zip(steps(path), path.volume[1:][extruding], strict=True):
+            place = tuple(ends.mean(axis=0).round(6).tolist())
+            amounts.setdefault(place, []).append(volume)
+        laid.append(amounts)
+    wet, once = laid
+    assert wet.keys() == once.keys()
+    assert {len(volumes) for volumes in wet.values()} == {1, 2}
+    for place, volumes in wet.items():
+        assert np.ptp(volumes) == pytest.approx(0, abs=1e-12)
+        # How much room a bead has depends a little on which beads it goes on to.
+        assert sum(volumes) == pytest.approx(sum(once[place]), rel=0.25, abs=0.02)
+
+
+def test_the_thesis_retraces_nothing_and_travels() -> None:
+    _, reports = traced(stack(2, 30), thesis=True, retraction=1.0, retraction_travel=0.0)
     for report in reports:
         assert report.retraced == 0
-        assert report.least_retraced > 0
         # Every stroke but the print's first is reached by a travel with a retraction.
         assert report.retractions == report.strokes - (report.layer == 0)
 
 
 def test_reported_lengths_are_those_of_the_toolpath() -> None:
     (path,), (report,) = traced(layer(scattered(25, 10, 3), square(10, hole=2)))
-    length = np.hypot(*np.diff(path.points[:, :2], axis=0).T)
     assert report.extruded == pytest.approx(drawn(path).length)
-    assert report.retraced == pytest.approx(length[path.feature[1:] == RETRACED].sum())
+    assert report.retraced == pytest.approx(
+        drawn(path).length - shapely.union_all(drawn(path)).length, abs=0.01
+    )
 
 
 def test_layers_start_near_the_end_of_the_one_below() -> None:
@@ -188,7 +216,7 @@ def test_layers_start_near_the_end_of_the_one_below() -> None:
 
 def test_retraction_and_hop_surround_a_travel() -> None:
     made = layer(scattered(25, 10, 3), square(10))
-    (path,), _ = traced(made, route="trails", retraction=1.0, z_hop=0.5, retraction_travel=2.0)
+    (path,), _ = traced(made, thesis=True, retraction=1.0, z_hop=0.5, retraction_travel=2.0)
     kinds = path.kind.tolist()
     pulled = np.nonzero(path.kind == RETRACT)[0]
     assert len(pulled) > 3
@@ -204,21 +232,18 @@ def test_retraction_and_hop_surround_a_travel() -> None:
 
 def test_short_travels_are_not_retracted() -> None:
     made = layer(scattered(25, 10, 3), square(10))
-    assert (
-        traced(made, route="trails", retraction=1.0, retraction_travel=50.0)[1][0].retractions == 0
-    )
+    assert traced(made, thesis=True, retraction=1.0, retraction_travel=50.0)[1][0].retractions == 0
 
 
 def test_firmware_retraction_needs_no_length() -> None:
     made = layer(scattered(25, 10, 3), square(10))
-    _, (report,) = traced(made, route="trails", retraction_by="firmware")
+    _, (report,) = traced(made, thesis=True, retraction_by="firmware")
     assert report.retractions > 0
 
 
-@pytest.mark.parametrize("route", ["trails", "tree"])
-def test_travels_stay_inside_where_a_way_exists(route: str) -> None:
+def test_travels_stay_inside_where_a_way_exists() -> None:
     made = layer(scattered(25, 10, 3), square(10, hole=5))
-    (path,), _ = traced(made, route=route)
+    (path,), _ = traced(made, thesis=True)
     ends = np.stack([path.points[:-1], path.points[1:]], axis=1)[2:, :, :2]
     moves = shapely.linestrings(ends[path.kind[3:] == TRAVEL])
     assert shapely.covers(area_of(made.section).buffer(1e-9), moves).all()

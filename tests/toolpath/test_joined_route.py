@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -12,9 +13,19 @@ from diagrams import area_of, disc, layer, scattered, square, stack
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from v3dcad.geometry.loops.corners import links_rounded
 from v3dcad.geometry.loops.joining import LINK, Curves, Linked, joined
 from v3dcad.geometry.loops.loops import Loops
-from v3dcad.model import EXTRUDE, PERIMETER, RETRACED, Floats, Layer, Section, Toolpath
+from v3dcad.model import (
+    EXTRUDE,
+    INNER_PERIMETER,
+    PERIMETER,
+    Floats,
+    Ints,
+    Layer,
+    Section,
+    Toolpath,
+)
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.cell_loops import cell_loops
@@ -139,18 +150,55 @@ def link_places(curves: Curves) -> Floats:
 
 
 def test_links_wander() -> None:
+    """None lies above one of its own wall; ends of walls that meet are more than W / 2 apart."""
     loops, _ = loops_of(layer(scattered(60, 15, 2), square(15)))
     linked = Linked()
     places = [link_places(joined(loops, W, linked)) for _ in range(12)]
     for below, above in pairwise(places):
         apart = np.hypot(*(above[:, None] - below[None]).transpose(2, 0, 1)).min(axis=1)
-        assert (apart < W).mean() < 0.05
+        assert (apart < W / 2).mean() < 0.05
+
+
+def test_rounded_links_stay_beside_those_that_are_not_and_turn_by_half() -> None:
+    sharp = joined(loops_of(layer(scattered(40, 15, 4), square(15)))[0], W, Linked())
+    curves = links_rounded(sharp, 0.1)
+    (line,), (round_line,) = lines_of(sharp), lines_of(curves)
+    check_apart([round_line])
+    assert round_line.hausdorff_distance(line) < 0.3 * W
+    assert (turns(sharp.points)[links_and_next(sharp)] > 1.05).mean() > 0.5
+    assert (turns(curves.points)[links_and_next(curves)] > 1.05).mean() < 0.15
+    # All else is as it was.
+    walls = shapely.MultiPoint(sharp.points).difference(shapely.MultiPoint(curves.points))
+    assert len(walls.geoms) <= 2 * (sharp.owner == LINK).sum()
+
+
+def links_and_next(curves: Curves) -> Ints:
+    """Points at which a link begins or ends."""
+    link = np.nonzero(curves.owner == LINK)[0]
+    return np.unique(np.concatenate([link, (link + 1) % len(curves.owner)]))
+
+
+def turns(points: Floats) -> Floats:
+    """(n,) radians at each point of a closed line (n, 2)."""
+    steps = np.roll(points, -1, axis=0) - points
+    angle = np.arctan2(steps[:, 1], steps[:, 0])
+    turned = (angle - np.roll(angle, 1) + np.pi) % (2 * np.pi) - np.pi
+    return np.asarray(np.abs(turned))
+
+
+def test_links_lie_at_the_ends_of_walls() -> None:
+    """There they take the place of corners: half of all links begin or end with no sharp turn."""
+    sharp = joined(loops_of(layer(scattered(40, 15, 4), square(15)))[0], W, Linked())
+    link = np.nonzero(sharp.owner == LINK)[0]
+    turned = turns(sharp.points)
+    least = np.minimum(turned[link], turned[(link + 1) % len(turned)])
+    assert (least < np.radians(80)).sum() > 0.8 * len(link) / 2
 
 
 def traced(made: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:
     reports: list[LayerReport] = []
     usual = {"perimeters": 2, "skirt_loops": 0, "brim_width": 0.0, "open": True}
-    chosen = PrintSettings(route="joined", **{**usual, **options})
+    chosen = PrintSettings(**{**usual, **options})
     return list(trace(made, chosen, reports.append)), reports
 
 
@@ -166,7 +214,6 @@ def test_a_layer_is_one_stroke_without_a_stop() -> None:
         assert report.strokes == 1
         assert report.retractions == 0
         assert report.retraced == 0
-        assert not (path.feature == RETRACED).any()
         kinds = path.kind == EXTRUDE
         # Once it extrudes, it does not stop.
         assert kinds[np.argmax(kinds) :].all()
@@ -215,6 +262,17 @@ def test_hardly_a_segment_is_shorter_than_a_tenth() -> None:
     paths, _ = traced(stack(3, 100, 30), minimum_edge=0.1)
     steps = np.concatenate([extruded(path) for path in paths])
     assert (np.hypot(*(steps[:, 1] - steps[:, 0]).T) < 0.1).mean() < 0.005
+
+
+def test_a_curve_is_entered_at_a_corner_where_one_is_near() -> None:
+    """The nozzle steps into it anywhere; no shorter step is made there, nor where it closes."""
+    made = [layer(scattered(20, 10, 3), replace(disc(10), z=0.2 * k), k) for k in range(20)]
+    least = PrintSettings().minimum_edge
+    for path in traced(made, seam="scattered")[0]:
+        inner = path.feature == INNER_PERIMETER
+        lengths = np.hypot(*np.diff(path.points[:, :2], axis=0).T)[inner[1:]]
+        assert len(lengths) > 20
+        assert lengths.min() > least - 1e-9
 
 
 def test_what_is_too_thin_for_cells_has_its_perimeters() -> None:

@@ -7,13 +7,12 @@ import pytest
 from diagrams import disc, layer, scattered, square
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from v3dcad.model import CELLS, Floats, Ints
 from v3dcad.toolpath.euler import EvenGraph
 from v3dcad.toolpath.graph import PathGraph, diagram_graph, loops_graph
-from v3dcad.toolpath.route import Walk, minimum_join, walks
+from v3dcad.toolpath.route import Walk, closed_strokes, minimum_join
+from v3dcad.toolpath.tree_route import tree_walks
 
 lean = settings(max_examples=40, deadline=None, derandomize=True)
 NO_TREE = np.empty((0, 2), dtype=np.int64)
@@ -65,13 +64,32 @@ def brute_force_join(graph: PathGraph) -> float:
     return least(tuple(np.nonzero(graph.degrees() % 2)[0].tolist()))
 
 
-def check_walks(graph: PathGraph, found: list[Walk]) -> None:
-    """Every step is along its edge, and every edge is extruded once."""
+def check_steps(graph: PathGraph, vertices: Ints, edges: Ints) -> None:
+    """Every step is along its edge."""
+    ends = np.column_stack([vertices[:-1], vertices[1:]])
+    assert np.array_equal(np.sort(ends, axis=1), np.sort(graph.edges[edges], axis=1))
+
+
+def strokes(graph: PathGraph, here: tuple[float, float] = (0.0, 0.0)) -> list[Walk]:
+    """Closed strokes, of which every edge is in one."""
+    found = list(closed_strokes(graph, minimum_join(graph), np.array(here)))
     for walk in found:
-        ends = np.column_stack([walk.vertices[:-1], walk.vertices[1:]])
-        assert np.array_equal(np.sort(ends, axis=1), np.sort(graph.edges[walk.edges], axis=1))
-    extruded = np.concatenate([walk.edges[walk.extrudes] for walk in found])
-    assert np.array_equal(np.sort(extruded), np.arange(len(graph.edges)))
+        check_steps(graph, walk.vertices, walk.edges)
+    passed = np.concatenate([np.empty(0, np.int64), *(walk.edges for walk in found)])
+    assert np.array_equal(np.unique(passed), np.arange(len(graph.edges)))
+    return found
+
+
+def in_tree_order(
+    graph: PathGraph, tree: Ints = NO_TREE, here: tuple[float, float] = (0.0, 0.0)
+) -> list[tuple[Ints, Ints]]:
+    """The thesis's strokes, which pass every edge once."""
+    found = list(tree_walks(graph, np.array(here), tree))
+    for vertices, edges in found:
+        check_steps(graph, vertices, edges)
+    passed = np.concatenate([np.empty(0, np.int64), *(edges for _, edges in found)])
+    assert np.array_equal(np.sort(passed), np.arange(len(graph.edges)))
+    return found
 
 
 @lean
@@ -86,59 +104,38 @@ def test_retrace_is_the_optimum_of_all_pairings(graph: PathGraph) -> None:
 @lean
 @given(graphs())
 def test_closed_strokes_one_a_piece(graph: PathGraph) -> None:
-    join = minimum_join(graph)
-    found = walks(graph, "least-retrace", join, np.zeros(2), NO_TREE)
-    check_walks(graph, found)
+    found = strokes(graph)
     assert all(walk.vertices[0] == walk.vertices[-1] for walk in found)
     pieces = [set(walk.vertices.tolist()) for walk in found]
     assert sum(map(len, pieces)) == len(set().union(*pieces))
-    retraced = sum(graph.lengths()[walk.edges[~walk.extrudes]].sum() for walk in found)
-    assert retraced == pytest.approx(join.length)
+    length = sum(graph.lengths()[walk.edges].sum() for walk in found)
+    assert length == pytest.approx(graph.lengths().sum() + minimum_join(graph).length)
 
 
 @lean
 @given(graphs())
-def test_an_edge_is_extruded_before_it_is_retraced(graph: PathGraph) -> None:
-    for walk in walks(graph, "least-retrace", minimum_join(graph), np.zeros(2), NO_TREE):
-        seen: set[int] = set()
-        for edge, extrudes in zip(walk.edges.tolist(), walk.extrudes.tolist(), strict=True):
-            assert extrudes == (edge not in seen)
-            seen.add(edge)
-
-
-def least_strokes(graph: PathGraph) -> int:
-    """The least number of strokes that pass every edge once: half the odd vertices of a piece."""
-    degrees = graph.degrees()
-    ends = (np.ones(len(graph.edges), bool), tuple(graph.edges.T))
-    piece = connected_components(coo_array(ends, (len(degrees),) * 2), directed=False)[1]
-    odd = np.bincount(piece, degrees % 2)[np.unique(piece[degrees > 0])]
-    return int(np.maximum(odd / 2, 1).sum())
-
-
-@lean
-@given(graphs())
-def test_trails_are_as_few_as_can_be(graph: PathGraph) -> None:
-    found = walks(graph, "trails", minimum_join(graph), np.zeros(2), NO_TREE)
-    check_walks(graph, found)
-    assert all(walk.extrudes.all() for walk in found)
-    assert len(found) == least_strokes(graph)
+def test_both_passes_of_an_edge_know_each_other(graph: PathGraph) -> None:
+    for walk in strokes(graph):
+        assert np.array_equal(walk.other[walk.other], np.arange(len(walk.other)))
+        assert np.array_equal(walk.edges[walk.other], walk.edges)
+        passes = np.bincount(walk.edges)[walk.edges]
+        assert np.array_equal(passes, 1 + (walk.other != np.arange(len(walk.other))))
 
 
 @lean
 @given(graphs())
 def test_tree_extrudes_every_edge_once(graph: PathGraph) -> None:
-    check_walks(graph, walks(graph, "tree", minimum_join(graph), np.zeros(2), NO_TREE))
+    in_tree_order(graph)
 
 
 def test_tree_finishes_cell_after_cell_along_the_tree() -> None:
     sites = scattered(30, 10, 2)
     made = layer(sites, square(10))
     graph = diagram_graph(made.diagram)
-    found = walks(graph, "tree", minimum_join(graph), np.zeros(2), made.tree)
-    check_walks(graph, found)
+    found = in_tree_order(graph, made.tree)
     beside = {(a, b) for pair in made.tree.tolist() for a, b in (pair, pair[::-1])}
     last = np.zeros(len(sites), dtype=np.int64)
-    for place, edge in enumerate(np.concatenate([walk.edges for walk in found]).tolist()):
+    for place, edge in enumerate(np.concatenate([edges for _, edges in found]).tolist()):
         for site in graph.sites[edge]:
             if site >= 0:
                 last[site] = place
@@ -151,14 +148,13 @@ def test_tree_finishes_cell_after_cell_along_the_tree() -> None:
         met.add(site)
 
 
-@pytest.mark.parametrize("route", ["least-retrace", "trails", "tree"])
-def test_isolated_rings_are_one_closed_stroke_each(route: str) -> None:
+def test_isolated_rings_are_one_closed_stroke_each() -> None:
     corners = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
     graph = loops_graph([corners, corners + 5, corners + 20], CELLS)
-    found = walks(graph, route, minimum_join(graph), np.array([21.0, 20]), NO_TREE)
-    check_walks(graph, found)
-    assert [walk.vertices[0] for walk in found] == [9, 6, 2]
-    assert all(walk.vertices[0] == walk.vertices[-1] for walk in found)
+    closed = [walk.vertices for walk in strokes(graph, (21.0, 20.0))]
+    for found in (closed, [one for one, _ in in_tree_order(graph, here=(21.0, 20.0))]):
+        assert [vertices[0] for vertices in found] == [9, 6, 2]
+        assert all(vertices[0] == vertices[-1] for vertices in found)
 
 
 def test_weights_of_a_large_part_still_fit() -> None:
@@ -171,14 +167,12 @@ def test_a_diagram_retraces_about_a_fifth() -> None:
     assert 0.1 < minimum_join(graph).length / graph.lengths().sum() < 0.3
 
 
-def test_routes_are_the_same_every_time() -> None:
+def test_strokes_are_the_same_every_time() -> None:
     graph = diagram_graph(layer(scattered(60, 10, 7), square(10)).diagram)
-    for route in ("least-retrace", "trails", "tree"):
-        once, twice = (
-            walks(graph, route, minimum_join(graph), np.zeros(2), NO_TREE) for _ in range(2)
-        )
-        for one, other in zip(once, twice, strict=True):
-            assert np.array_equal(one.vertices, other.vertices)
+    for one, other in zip(strokes(graph), strokes(graph), strict=True):
+        assert np.array_equal(one.vertices, other.vertices)
+    for once, twice in zip(in_tree_order(graph), in_tree_order(graph), strict=True):
+        assert np.array_equal(once[0], twice[0])
 
 
 @lean
@@ -196,7 +190,7 @@ def test_a_circuit_passes_every_edge_once(graph: PathGraph, start: int) -> None:
     assert len(even.circuit(start)[1]) == 0
 
 
-@pytest.mark.parametrize("route", ["least-retrace", "trails", "tree"])
-def test_nothing_is_routed_over_nothing(route: str) -> None:
+def test_nothing_is_routed_over_nothing() -> None:
     graph = loops_graph([], CELLS)
-    assert walks(graph, route, minimum_join(graph), np.zeros(2), NO_TREE) == []
+    assert strokes(graph) == []
+    assert in_tree_order(graph) == []

@@ -14,7 +14,7 @@ from v3dcad.geometry.section_area import section_area
 from v3dcad.model import BRIDGE, CELLS, EXTRUDE, SOLID, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
-from v3dcad.toolpath.bridging import direction
+from v3dcad.toolpath.bridging import Held, direction
 from v3dcad.toolpath.report import LayerReport
 from v3dcad.toolpath.skins import Cut, parted, shells
 
@@ -43,7 +43,7 @@ def tunnel() -> list[Layer]:
 
 
 def skins_of(layers: list[Layer], bottom: int, top: int) -> list[shapely.Geometry]:
-    cuts = [Cut(made, section_area(made.section), True) for made in layers]
+    cuts = [Cut(section_area(made.section), True) for made in layers]
     return [skin for _, skin in shells(cuts, bottom, top)]
 
 
@@ -84,7 +84,7 @@ def test_a_point_is_in_a_skin_if_the_part_ends_near_above_or_below(
 
 def test_layers_below_the_first_are_air() -> None:
     layers = stairs()[:8]
-    cuts = [Cut(made, section_area(made.section), k >= 3) for k, made in enumerate(layers)]
+    cuts = [Cut(section_area(made.section), k >= 3) for k, made in enumerate(layers)]
     solid = [not skin.is_empty for _, skin in shells(cuts, 2, 0)]
     assert solid == [False] * 3 + [True] * 2 + [False] * 3
 
@@ -107,12 +107,12 @@ def test_foam_and_skin_share_the_area_and_the_skin_reaches_into_the_foam() -> No
     assert foam is inner
 
 
-@pytest.mark.parametrize("route", ["joined", "least-retrace"])
+@pytest.mark.parametrize("wall_beads", [2, 1])
 @pytest.mark.parametrize("contour", ["inset", "centre"])
 @pytest.mark.parametrize("perimeters", [1, 2])
-def test_each_step_of_stairs_is_closed(route: str, contour: str, perimeters: int) -> None:
+def test_each_step_of_stairs_is_closed(wall_beads: int, contour: str, perimeters: int) -> None:
     """On the layers below a tread all of it is covered, and cells go on under the other half."""
-    options: Any = {"route": route, "contour": contour, "perimeters": perimeters}
+    options: Any = {"wall_beads": wall_beads, "contour": contour, "perimeters": perimeters}
     paths, _ = traced(stairs(), bottom_layers=2, top_layers=3, **options)
     solid = [k for k, path in enumerate(paths) if len(laid(path, SOLID, BRIDGE))]
     assert solid == [0, 1, 9, 10, 11, 21, 22, 23]
@@ -170,7 +170,20 @@ def test_the_direction_is_that_of_the_shortest_span(turned: int) -> None:
     area = rotate(shapely.box(-10, -4, 10, 4), turned, origin=(0, 0))
     banks = rotate(shapely.MultiPolygon([shapely.box(-10, 3, 10, 8), shapely.box(-10, -8, 10, -3)]),
                    turned, origin=(0, 0))  # fmt: skip
-    assert direction(area, banks, W) == (turned + 90) % 180
+    none = np.zeros((0, 2, 2))
+    assert direction(area, Held(banks, none), W) == (turned + 90) % 180
     # Over air on three sides: along the one that holds there is nothing, so out from it.
     ledge = rotate(shapely.box(-10, -8, 10, -3), turned, origin=(0, 0))
-    assert direction(area, ledge, W) == (turned + 90) % 180
+    assert direction(area, Held(ledge, none), W) == (turned + 90) % 180
+
+
+@pytest.mark.parametrize("turned", [0, 30, 75, 120])
+def test_bridges_are_laid_across_walls(turned: int) -> None:
+    """Walls 2 mm apart along one direction, on air: a line across them spans no more than that."""
+    from shapely.affinity import rotate
+
+    area = rotate(shapely.box(-10, -10, 10, 10), turned, origin=(0, 0))
+    walls = [rotate(shapely.LineString([(-11, y), (11, y)]), turned, origin=(0, 0))
+             for y in range(-11, 12, 2)]  # fmt: skip
+    ends = np.array([shapely.get_coordinates(wall) for wall in walls])
+    assert direction(area, Held(shapely.Polygon(), ends, 0.4), W) == (turned + 90) % 180

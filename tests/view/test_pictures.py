@@ -13,8 +13,10 @@ import matplotlib
 import numpy as np
 import pytest
 import shapely
+import trimesh
 from PIL import Image
 
+import v3dcad
 from tests.view.references import LAYER, channels, picture, pyramid, small, stored_picture
 from tests.view.similarity import similarity
 from v3dcad import PrintSettings
@@ -24,17 +26,22 @@ from v3dcad.model import Diagram, Floats, Layer
 from v3dcad.report import Print
 from v3dcad.view import picture as painting
 from v3dcad.view.outline import outline
-from v3dcad.view.perspective import Eye, contour_strips, wall_strips
+from v3dcad.view.perspective import Eye, Strips, contour_strips, wall_strips
 from v3dcad.view.picture import choose
 from v3dcad.view.targets.declared import TARGETS
 
 pytestmark = pytest.mark.slow
 
 
+def above(layer: Layer) -> tuple[float, float]:
+    """From a layer's height to 0.5 mm above it."""
+    return layer.z, layer.z + 0.5
+
+
 def strips(layer: Layer, corner: Floats | None = None) -> Floats:
     """The corners of a layer's wall strips, 0.5 mm high."""
     zeros = np.zeros(len(layer.diagram.edges))
-    return wall_strips(layer, 0.5, zeros, corner).corners
+    return wall_strips(layer, above(layer), zeros, corner).corners
 
 
 def corners_by_sites(diagram: Diagram) -> dict[tuple[int, ...], Floats]:
@@ -50,21 +57,37 @@ def corners_by_sites(diagram: Diagram) -> dict[tuple[int, ...], Floats]:
     }
 
 
-def test_strips_lean_as_the_walls_do() -> None:
-    """Against the diagram half a millimetre higher, which is computed anew."""
+@pytest.mark.parametrize("higher", [-0.5, 0.5])
+def test_strips_lean_as_the_walls_do(higher: float) -> None:
+    """Against the diagram half a millimetre higher or lower, which is computed anew."""
     layer = pyramid().layers[LAYER]
-    here, above = (
-        corners_by_sites(diagram) for diagram in (layer.diagram, pyramid().at(layer.z + 0.5))
+    here, there = (
+        corners_by_sites(diagram) for diagram in (layer.diagram, pyramid().at(layer.z + higher))
     )
-    painted = strips(layer).reshape(-1, 3)
+    zeros = np.zeros(len(layer.diagram.edges))
+    painted = wall_strips(layer, (layer.z - 0.5, layer.z + 0.5), zeros, None).corners
+    painted = painted.reshape(-1, 3)
+    ends = painted[painted[:, 2] == layer.z + higher][:, :2]
     checked = 0
-    for sites in here.keys() & above.keys():
-        if np.linalg.norm(here[sites] - above[sites]) > 1:
+    for sites in here.keys() & there.keys():
+        if np.linalg.norm(here[sites] - there[sites]) > 1:
             continue  # it moves so fast that the picture holds it back
-        upper = painted[painted[:, 2] > layer.z][:, :2]
-        assert np.linalg.norm(upper - above[sites], axis=1).min() < 1e-6
-        checked += np.linalg.norm(here[sites] - above[sites]) > 1e-3
+        assert np.linalg.norm(ends - there[sites], axis=1).min() < 1e-6
+        checked += np.linalg.norm(here[sites] - there[sites]) > 1e-3
     assert checked > 5
+
+
+def test_the_picture_is_of_the_same_layers_as_the_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where sections lie in the middle of layers, strips begin below them, on the bed."""
+    spans = []
+
+    def seen(layer: Layer, span: tuple[float, float], *more: object) -> Strips:
+        spans.append(span)
+        return wall_strips(layer, span, *more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(painting, "wall_strips", seen)
+    pyramid().picture()
+    assert spans == [(2.0 * k, 2.0 * (k + 1)) for k in range(25)]
 
 
 @pytest.mark.parametrize("corner", [(0.0, 0.0), (-9.0, 4.0), (100.0, 0.0), (-100.0, 100.0)])
@@ -84,16 +107,16 @@ def test_just_the_nearest_quarter_is_cut_away(corner: tuple[float, float]) -> No
 def test_cut_sides_stand_on_the_planes_of_the_cut() -> None:
     layer = pyramid().layers[LAYER]
     zeros = np.zeros(len(layer.diagram.edges))
-    sides = wall_strips(layer, 0.5, zeros, np.zeros(2)).sides()
+    sides = wall_strips(layer, above(layer), zeros, np.zeros(2)).sides()
     assert len(sides) > 3
     assert np.abs(sides[:, 0, :2]).min(axis=1).max() < 1e-9
     assert (sides[:, 1, 2] == layer.z + 0.5).all()
-    assert not len(wall_strips(layer, 0.5, zeros, None).sides())
+    assert not len(wall_strips(layer, above(layer), zeros, None).sides())
 
 
 def test_contours_stand_upright() -> None:
     layer = pyramid().layers[LAYER]
-    corners = contour_strips(layer, 0.5).corners
+    corners = contour_strips(layer, above(layer), 0.0).corners
     np.testing.assert_array_equal(corners[:, :2, :2], corners[:, [3, 2], :2])
     length = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).sum()
     assert length == pytest.approx(shapely.Polygon(layer.section.rings[0]).length)
@@ -181,11 +204,31 @@ def test_names_are_text_whatever_letters_they_have() -> None:
     assert name in drawn
 
 
+def block(*size: float) -> trimesh.Trimesh:
+    return trimesh.creation.box(size)
+
+
+def size_of(picture: bytes) -> tuple[int, int]:
+    """Pixels: how wide and tall a PNG is."""
+    return Image.open(io.BytesIO(picture)).size
+
+
+def test_pictures_are_as_tall_as_what_they_show() -> None:
+    square = v3dcad.fill(block(80, 80, 6), layer_height=2.0, cell_size=10.0)
+    strip = v3dcad.fill(block(80, 20, 6), layer_height=2.0, cell_size=10.0)
+    whole, flat = (size_of(one.picture("layer")) for one in (square, strip))
+    assert whole == (1200, 1200)
+    assert flat[0] == 1200
+    assert flat[1] < 800
+    assert size_of(strip.picture())[1] < 1000
+    assert size_of(strip.thumbnail(100)) == (100, 100)
+
+
 def test_of_very_many_layers_some_are_drawn_and_the_title_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     cells = choose(pyramid().layers).cells
-    monkeypatch.setattr(painting, "MOST_STRIPS", 500)
+    monkeypatch.setattr(painting, "MOST_WALLS", 300)
     chosen = choose(pyramid().layers)
     assert chosen.thinned
     assert chosen.cells == cells
@@ -195,7 +238,7 @@ def test_of_very_many_layers_some_are_drawn_and_the_title_says_so(
 
 
 def test_notebooks_show_structures_layers_and_sections() -> None:
-    assert Image.open(io.BytesIO(pyramid()._repr_png_())).size == (1200, 1200)
+    assert pyramid()._repr_html_().startswith("<iframe")
     layer = pyramid().layers[LAYER]
     drawn = ET.fromstring(layer._repr_svg_())
     paths = {one.get("id"): one.get("d", "") for one in drawn.iter() if one.tag[-4:] == "path"}

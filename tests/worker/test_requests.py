@@ -29,6 +29,7 @@ pytestmark = pytest.mark.slow
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}
 THESIS = {"method": "thesis", "sites": 12, "layer_height": 3.0}
+WIDE = {"nozzle_diameter": 3.0, "bead_width": 3, "most_flow": 1000.0}
 COLUMNS = {"layer_height": 3.0, "stretch": "columns"}
 
 
@@ -84,7 +85,23 @@ def test_a_fill_is_that_of_the_command_line(worker: Worker, cone: Path, tmp_path
     assert told["cell_size"] == summary["foam"]["cell_size_made_mm"]
     assert told["certificate"] in done.stdout
     assert f"{told['steepest_wall']:.2f}°" in done.stdout
-    assert told["mass"] == v3dcad.fill(cone, **SETTINGS).properties().mass
+    assert told["mass"] == v3dcad.fill(cone, **SETTINGS).plastic().mass
+
+
+def test_what_hangs_is_that_of_python(worker: Worker, cone: Path) -> None:
+    fine = {"cell_size": 8.0, "layer_height": 0.4}
+    told = worker.get("overhang", source=str(cone), settings=fine, print={"top_layers": 2})
+    found = v3dcad.fill(cone, **fine).printed_overhang(PrintSettings(top_layers=2))
+    assert told["kinds"] == list(found.kinds)
+    assert told["certificate"] == found.line()
+    assert told["findings"] == found.findings()
+    with np.load(told["arrays"]) as arrays:
+        assert set(arrays) == set(found.__dataclass_fields__)
+        for name in arrays:
+            np.testing.assert_array_equal(arrays[name], getattr(found, name))
+    assert found.span.max() > 2
+    said, _ = worker.refused("overhang", source=str(cone), settings=fine, print={"fail_over": 0.5})
+    assert "more than --fail-over 0.5" in said
 
 
 def in_order(lines: np.ndarray) -> np.ndarray:
@@ -199,7 +216,7 @@ def test_forms_are_those_of_python(
         ("a.ont", {}),
         ("a.stl", {"form": "struts", "diameter": 2.0}),
         ("a.brep", {"form": "faces"}),
-        ("a.gcode", {"print": {"bead_width": 1}, "profile": "ender3v2"}),
+        ("a.gcode", {"print": WIDE, "profile": "ender3v2"}),
         ("a.svg", {"svg_layer": 2}),
     ],
 )
@@ -225,7 +242,7 @@ def test_exports_are_the_files_of_python(
         case ".gcode":
             from v3dcad.formats.gcode.machine_profile import read_profile
 
-            printing = PrintSettings(**{**read_profile("ender3v2"), "bead_width": 1.0})
+            printing = PrintSettings(**{**read_profile("ender3v2"), **WIDE})
             structure.write_gcode(expected, printing)
             assert any(line.startswith("filament: ") for line in said["lines"])
     assert file.read_bytes() == expected.read_bytes()
@@ -297,7 +314,7 @@ def test_nothing_kept_is_taken_for_what_differs_in_its_sites_alone(cone: Path) -
     one, other = np.random.default_rng(3).uniform(-15, 15, (2, 12, 2))
     for sites in (one, other, one):
         asked = known_settings(settings, sites)
-        made = kept.structure(str(cone), asked, sites, lambda *_: None).checksum()
+        made = kept.structure(str(cone), asked, sites, PrintSettings(), lambda *_: None).checksum()
         assert made == v3dcad.fill(cone, sites=sites, **settings).checksum()
 
 
@@ -307,7 +324,9 @@ def test_a_small_part_of_freecad_is_in_no_other_unit(tmp_path: Path) -> None:
     write_part(part_from(mesh), tmp_path / "a.stl")
     assert "in inches?" in part_from(tmp_path / "a.stl").findings[0]
     settings = FillSettings(cell_size=1.0)
-    made = Kept().structure(str(tmp_path / "a.stl"), settings, None, lambda *_: None)
+    made = Kept().structure(
+        str(tmp_path / "a.stl"), settings, None, PrintSettings(), lambda *_: None
+    )
     assert made.findings() == []
 
 

@@ -53,14 +53,14 @@ class Estimate:
         once, layer, cell = rates
         return once + self.layers * (layer + cell * self.cells)
 
-    def words(self) -> str:
-        """The estimate as a line to show."""
+    def words(self, gcode: bool) -> str:
+        """The estimate as a line to show, with that of the G-code or without."""
         minutes = max(round(self.seconds / 60), 1)
         time = f"{minutes} min" if minutes < 120 else f"{minutes / 60:,.0f} h"
-        return (
-            f"{self.layers:,} layers of up to {self.cells:,.0f} cells: up to about {time}, "
-            f"{_size(self.memory)} of memory and {_size(self.gcode)} of G-code"
-        )
+        needs = [f"up to about {time}", f"{_size(self.memory)} of memory"]
+        needs += [f"{_size(self.gcode)} of G-code"] if gcode else []
+        listed = f"{', '.join(needs[:-1])} and {needs[-1]}"
+        return f"{self.layers:,} layers of up to {self.cells:,.0f} cells: {listed}"
 
 
 def estimated(bounds: Floats, settings: FillSettings) -> Estimate | None:
@@ -80,7 +80,8 @@ def estimated(bounds: Floats, settings: FillSettings) -> Estimate | None:
     size = settings.cell_size
     if size == "auto":
         size = auto_cell_size(bounds[1] - bounds[0])
-    if not isinstance(size, float | int) or not isinstance(settings.roof_size, str):
+    plain = settings.wish() is None and settings.roof_size == "off"
+    if not isinstance(size, float | int) or not plain:
         return None
     cells = width * depth / size**2
     return Estimate(layers, cells) if cells * height / size < 2 * MOST else None
@@ -88,7 +89,7 @@ def estimated(bounds: Floats, settings: FillSettings) -> Estimate | None:
 
 def tell(estimate: Estimate, gcode: Path | None) -> None:
     """Say on stderr what takes long; `SettingError` for what this machine has no room for."""
-    words = estimate.words()
+    words = estimate.words(gcode is not None)
     remedy = "take larger cells, or layers farther apart"
     memory = _memory()
     if memory is not None and estimate.memory > memory:

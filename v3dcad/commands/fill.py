@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
-from v3dcad.commands.estimate import estimated, tell
+from v3dcad.commands.filled import SitesFile, Verify, filled
 from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import (
     AsBrep,
@@ -31,6 +31,7 @@ from v3dcad.options import given, with_options
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
 
 if TYPE_CHECKING:
+    from v3dcad.pipeline import Structure
     from v3dcad.report import Print
 
 OUTPUTS = ("gcode", "ont", "step", "png", "report")
@@ -50,12 +51,7 @@ def fill(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for all five files.")
     ] = None,
-    sites_file: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="CSV", help="Sites as x,y,z in mm, or x,y for columns; bed coordinates."
-        ),
-    ] = None,
+    sites_file: SitesFile = None,
     profile: Profile = None,
     ont: OutputFile = None,
     gcode: OutputFile = None,
@@ -68,9 +64,7 @@ def fill(
     ] = None,
     brep: OutputFile = None,
     svg: OutputFile = None,
-    verify: Annotated[
-        bool, typer.Option(help="Compare what an .ont file makes with its check sum.")
-    ] = True,
+    verify: Verify = True,
     rotate: Rotate = None,
     up: Up = None,
     repair: Repair = False,
@@ -85,38 +79,39 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
+    from v3dcad.limits import check_cells, check_limits
     from v3dcad.parts import BREP, ONT, STEP, check_readable
     from v3dcad.recipes import known_settings
 
-    if part.suffix.lower() not in ONT:
-        known_settings(chosen)  # all that can be known before the part is read
+    check_readable(part)
     printing = print_settings(profile, settings)
+    if part.suffix.lower() not in ONT:
+        known = known_settings(chosen)  # all that can be known before the part is read
+        if "gcode" in files:
+            check_limits(known, printing)
+            if isinstance(known.cell_size, float | int):
+                check_cells(known.cell_size, printing)
     if part.suffix.lower() in (*STEP, *BREP) or files.keys() & {"step", "brep"}:
         import_module("v3dcad.kernel")  # where it is missing, that is told before anything is done
-    # Loading, filling, the certificate (with the report), and each other file.
-    steps = 3 + len(files.keys() - {"report"})
+    # Loading, filling, the certificate (with the report), and each other file; where no G-code is
+    # traced, spans are looked for by themselves.
+    certified = "gcode" not in files and not isinstance(printing.fail_over, str)
+    steps = 3 + certified + len(files.keys() - {"report"})
     with noted() as notes, Progress(f"filling {part.name}", steps) as progress:
         progress.start("loading the engine")
         load_engine()
         from v3dcad.exports import export
-        from v3dcad.pipeline import fill as fill_part
 
-        if sites_file is not None:
-            from v3dcad.formats.sites_csv import read_sites
-
-            check_readable(sites_file)
-            chosen["sites"] = read_sites(sites_file)
-        progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep, unit, scale)
-        if source is not None and sites_file is None:
-            expected = estimated(source.bounds, known_settings(chosen))
-            if expected is not None:
-                progress.pause()
-                tell(expected, files.get("gcode"))
-                progress.go_on()
-        structure = fill_part(source or part, verify=verify, progress=progress.step, **chosen)
+        structure = filled(
+            part, chosen, printing, progress, sites_file=sites_file, verify=verify,
+            gcode=files.get("gcode"), rotate=rotate, up=up, repair=repair, as_brep=as_brep,
+            unit=unit, scale=scale,
+        )  # fmt: skip
         watched = replace(structure, layers=progress.watch(structure.layers))
         printed: Print | None = None
+        if certified:
+            progress.start("checking what holds up each bead")
+            watched.printed_overhang(printing)
         for kind, file in files.items():
             if kind != "report":
                 progress.start(f"writing {file}")
@@ -129,7 +124,7 @@ def fill(
             summary = watched.write_report(files["report"], printing, printed)
         else:
             summary = watched.report(printing, printed)
-    _print_summary([*structure.findings(), *notes], summary, files)
+    _print_summary(structure, notes, summary, files)
 
 
 def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[str, Path]:
@@ -146,7 +141,9 @@ def _files(part: Path, out: Path | None, named: dict[str, Path | None]) -> dict[
     return files
 
 
-def _print_summary(notes: list[str], summary: dict[str, Any], files: dict[str, Path]) -> None:
+def _print_summary(
+    structure: Structure, notes: list[str], summary: dict[str, Any], files: dict[str, Path]
+) -> None:
     from v3dcad.exports import print_lines, written_line
     from v3dcad.report import certificate_line
 
@@ -158,14 +155,24 @@ def _print_summary(notes: list[str], summary: dict[str, Any], files: dict[str, P
             ("cells", f"{summary['cells']}, at most {summary['most_cells_in_a_layer']} in a layer"),
             ("wall length", f"{summary['wall_length_mm'] / 1000:.3f} m in all layers"),
             *_method_rows(summary),
+            *_expected_rows(structure),
             ("overhang", certificate_line(summary["overhang"])),
             *(print_lines(summary["print"]).items() if "print" in summary else ()),
             *(("written", written_line(file)) for file in files.values()),
-            *(("note", note) for note in notes),
+            *(("note", note) for note in (*structure.findings(), *notes)),
             *(("note", finding) for finding in summary.get("print", {}).get("findings", ())),
         ],
         files.values(),
     )
+
+
+def _expected_rows(structure: Structure) -> list[tuple[str, str]]:
+    """What a cell size that was found for a density or a mass is expected to come to."""
+    expected, size = structure.expected, structure.settings.cell_size
+    if expected is None:
+        return []
+    line = f"{100 * expected.density:.3g} % of the part's volume, {expected.mass:.4g} g"
+    return [("expected", line if isinstance(size, str) else f"{line}, by --cell-size {size:g}")]
 
 
 def _method_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:

@@ -18,8 +18,8 @@ class Progress:
     """What a command is doing, on stderr.
 
     A terminal gets a bar over all `steps`, with the one under way and the time left as if they took
-    equally long. Anything else gets the line `doing`, if there is one, as soon as layers are made:
-    what is wrong with the input is found before, and is one line by itself.
+    equally long. Anything else gets the line `doing`, if there is one, as soon as the first step
+    begins.
     """
 
     def __init__(self, doing: str = "", steps: int = 1) -> None:
@@ -62,7 +62,7 @@ class Progress:
         if self.bar is not None:
             share = self.begun - 1 + done / max(of, 1)
             self.bar.update(self.task, description=what, completed=share)
-        elif of > 1:
+        else:
             self._tell()
 
     def count(self, what: str, total: int) -> Callable[[int], None]:

@@ -54,8 +54,9 @@ def serve_file(file: Path, make: Callable[[int], str], opens: bool) -> None:
 
     `make` makes the page of a number; what it raises the first time ends the command.
     """
-    from v3dcad.view.page.serving import Live, follow, served
+    from v3dcad.view.page.serving import Live, follow, served, stamp
 
+    made_of = stamp(file)  # what is written while the first page is made counts, too
     live = Live(make)
     with served(live) as address:
         opened = opens and open_in_browser(address)
@@ -67,6 +68,6 @@ def serve_file(file: Path, make: Callable[[int], str], opens: bool) -> None:
         )
         sys.stdout.flush()
         try:
-            follow(file, live)
+            follow(file, made_of, live)
         except KeyboardInterrupt:
             return

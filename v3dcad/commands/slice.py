@@ -49,13 +49,16 @@ def slice_part(
         raise SettingError("step", "nothing to write: give --step FILE or --svg FILE")
     check_outputs(part, files)
     chosen = SectionSettings(**given(SectionSettings, settings))
-    tell_of_compiling()
-    from v3dcad.exports import written_line
-    from v3dcad.model import size_words
-    from v3dcad.slicing import section, write_sections_step, write_sections_svg
+    from v3dcad.parts import check_readable
 
+    check_readable(part)
     with Progress(f"cutting {part.name}", 2 + len(files)) as progress:
         progress.start("reading the part")
+        tell_of_compiling()
+        from v3dcad.exports import written_line
+        from v3dcad.model import size_words
+        from v3dcad.slicing import section, write_sections_step, write_sections_svg
+
         found = part_of(part, rotate, up, repair, as_brep, unit, scale)
         if found is None:
             message = "slice the part that it was made from; fill makes its structure"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from v3dcad.commands.compiling import load_engine
+from v3dcad.commands.filled import SitesFile, Verify, filled
 from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.part_options import (
     AsBrep,
@@ -18,7 +19,6 @@ from v3dcad.commands.part_options import (
     Scale,
     Unit,
     Up,
-    part_of,
 )
 from v3dcad.commands.print_options import Profile, print_settings
 from v3dcad.commands.progress import Progress
@@ -61,10 +61,9 @@ def view(
     serve: Annotated[
         bool, typer.Option("--serve", help="Follow PART: load the page again when it is written.")
     ] = False,
+    sites_file: SitesFile = None,
     profile: Profile = None,
-    verify: Annotated[
-        bool, typer.Option(help="Compare what an .ont file makes with its check sum.")
-    ] = True,
+    verify: Verify = True,
     rotate: Rotate = None,
     up: Up = None,
     repair: Repair = False,
@@ -90,40 +89,36 @@ def view(
     printing = print_settings(profile, settings)
     load_engine()
     from v3dcad.exports import written_line
-    from v3dcad.files import written_beside
-    from v3dcad.pipeline import fill
     from v3dcad.view.page.first import First
 
-    def filled(progress: Progress) -> Structure:
-        progress.start("reading and cutting the part")
-        source = part_of(part, rotate, up, repair, as_brep, unit, scale) or part
-        structure = fill(source, verify=verify, progress=progress.step, **chosen)
+    def structure_of(progress: Progress) -> Structure:
+        structure = filled(
+            part, chosen, printing, progress, sites_file=sites_file, verify=verify,
+            rotate=rotate, up=up, repair=repair, as_brep=as_brep, unit=unit, scale=scale,
+        )  # fmt: skip
         return replace(structure, layers=progress.watch(structure.layers))
 
     first = First(target, layer, cell, neighbour)
     if serve:
 
         def make(number: int) -> str:
-            with Progress() as progress:
-                return filled(progress).page(printing, first, live=number)
+            with Progress(f"drawing {part.name}") as progress:
+                return structure_of(progress).page(printing, first, live=number)
 
         serve_file(part, make, browser)
         return
     if not files:
         files["html"] = page_place(part)
-    with Progress(steps=1 + len(files)) as progress:
-        structure = filled(progress)
+    with Progress(f"drawing {part.name}", 1 + len(files)) as progress:
+        structure = structure_of(progress)
         for kind, file in files.items():
             progress.start(f"drawing {file}")
             if kind == "html":
                 structure.write_html(file, printing, first)
                 continue
-            with written_beside(file) as beside:
-                beside.write_bytes(
-                    structure.picture(
-                        target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
-                    )
-                )
+            structure.write_picture(
+                file, target, layer, cell, neighbour, kind=kind, ids=ids, printing=printing
+            )
     print_rows(
         [
             *(("written", written_line(file)) for file in files.values()),

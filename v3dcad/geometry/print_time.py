@@ -1,8 +1,8 @@
 """How long a printer takes: trapezoidal speeds, corners taken by junction deviation.
 
-A move speeds up, runs and slows down at one acceleration. The angle between two moves limits the
-speed at their junction (Jeon 2011, as in Grbl, Marlin and Klipper). A pass backward and a pass
-forward over the moves then give the speed at every junction.
+A move speeds up, runs and slows down at an acceleration of its own. The angle between two moves
+limits the speed at their junction (Jeon 2011, as in Grbl, Marlin and Klipper). A pass backward and
+a pass forward over the moves then give the speed at every junction.
 """
 
 from __future__ import annotations
@@ -14,7 +14,17 @@ import numpy as np
 from v3dcad.geometry.arcs import lengths
 from v3dcad.geometry.compiled.arrays import ConstFloatArray, ConstFloatRows, FloatArray
 from v3dcad.geometry.compiled.options import ENTRY, compiled
-from v3dcad.model import RETRACT, UNRETRACT, Floats, Toolpath
+from v3dcad.model import (
+    BRIDGE,
+    EXTRUDE,
+    FEATURES,
+    PERIMETER,
+    RETRACT,
+    SOLID,
+    UNRETRACT,
+    Floats,
+    Toolpath,
+)
 from v3dcad.settings import PrintSettings
 
 
@@ -28,17 +38,37 @@ def step_seconds(toolpath: Toolpath, before: Floats, settings: PrintSettings) ->
         length,
         np.where(pulled, settings.retraction, 0.0),
         toolpath.speed,
-        settings,
+        np.where(
+            toolpath.kind == EXTRUDE,
+            feature_accelerations(settings)[toolpath.feature],
+            settings.acceleration_of("travel"),
+        ),
+        settings.corner_speed,
     )
 
 
+def feature_accelerations(settings: PrintSettings) -> Floats:
+    """(FEATURES,) mm/s² at which each feature is extruded."""
+    found = np.full(FEATURES, settings.acceleration)
+    found[PERIMETER] = settings.acceleration_of("perimeter")
+    found[SOLID] = settings.acceleration_of("solid")
+    found[BRIDGE] = settings.acceleration_of("bridge")
+    return found
+
+
 def move_seconds(
-    steps: Floats, length: Floats, still: Floats, speed: Floats, settings: PrintSettings
+    steps: Floats,
+    length: Floats,
+    still: Floats,
+    speed: Floats,
+    acceleration: Floats,
+    corner_speed: float,
 ) -> Floats:
     """(n,) seconds of moves that begin and end at rest.
 
     `steps` (n, 3) are their directions, `length` (n,) their lengths, mm, `still` (n,) the mm of
-    filament moved while the nozzle does not move, `speed` (n,) the requested mm/s.
+    filament moved while the nozzle does not move, `speed` (n,) the requested mm/s, `acceleration`
+    (n,) mm/s². A right angle is taken at `corner_speed`, mm/s.
     """
     seconds = np.empty(len(steps))
     _plan(
@@ -46,8 +76,8 @@ def move_seconds(
         np.array(length, dtype=np.float64),
         np.array(still, dtype=np.float64),
         np.array(speed, dtype=np.float64),
-        float(settings.acceleration),
-        settings.corner_speed**2 * (math.sqrt(2) - 1),
+        np.array(acceleration, dtype=np.float64),
+        corner_speed**2 * (math.sqrt(2) - 1),
         seconds,
     )
     return seconds
@@ -59,7 +89,7 @@ def _plan(
     length: ConstFloatArray,
     still: ConstFloatArray,
     speed: ConstFloatArray,
-    acceleration: float,
+    acceleration: ConstFloatArray,
     corner: float,
     seconds: FloatArray,
 ) -> None:
@@ -82,18 +112,18 @@ def _plan(
                     limit = corner * half / (1 - half)
                 entry[k] = limit
     for k in range(count - 1, -1, -1):
-        entry[k] = min(entry[k], entry[k + 1] + 2 * acceleration * length[k])
+        entry[k] = min(entry[k], entry[k + 1] + 2 * acceleration[k] * length[k])
     for k in range(count):
-        entry[k + 1] = min(entry[k + 1], entry[k] + 2 * acceleration * length[k])
+        entry[k + 1] = min(entry[k + 1], entry[k] + 2 * acceleration[k] * length[k])
         way = length[k] if length[k] > 0 else still[k]
         # The square of the highest speed that way, start and end allow.
-        peak = min(speed[k] ** 2, acceleration * way + (entry[k] + entry[k + 1]) / 2)
+        peak = min(speed[k] ** 2, acceleration[k] * way + (entry[k] + entry[k + 1]) / 2)
         top = math.sqrt(peak)
         if top == 0:
             seconds[k] = 0.0
             continue
-        ramps = (2 * peak - entry[k] - entry[k + 1]) / (2 * acceleration)
+        ramps = (2 * peak - entry[k] - entry[k + 1]) / (2 * acceleration[k])
         seconds[k] = (
-            (2 * top - math.sqrt(entry[k]) - math.sqrt(entry[k + 1])) / acceleration
+            (2 * top - math.sqrt(entry[k]) - math.sqrt(entry[k + 1])) / acceleration[k]
             + max(0.0, way - ramps) / top
         )  # fmt: skip

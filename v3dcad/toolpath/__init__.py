@@ -3,7 +3,7 @@
 graph       what is extruded, as a graph: edges once, junctions by id
 perimeters  a section's area, its insets, its arcs
 trim        cell edges cut off at the innermost perimeter
-route       strokes: least retrace (euler), trails; tree_route: the thesis's order
+route       one bead a wall: closed strokes (euler); tree_route: the thesis's order
 stroke      what is extruded without a stop
 cell_loops, joined_route  two beads a wall: every cell a loop, and one closed stroke a region
 first_layer what lies on the bed: brim, and whether a part stands safely
@@ -14,6 +14,11 @@ seam        where outermost perimeters begin
 plan        which strokes a layer has, in which order
 travel      ways inside the part
 cooling     short layers printed slower
+bead        the cross-section of a bead
+limits      settings that nozzle, hot end, machine and cells do not allow
 beads       `trace`: layers to toolpaths
+plastic     how much plastic layers take, from some of them
+overhang    what of the beads has nothing under it, layer by layer
+certificate the same for a whole print, as arrays and in words
 report      what a layer's printing comes to
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import tee
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,6 @@ from v3dcad.model import (
     INNER_PERIMETER,
     NO_FEATURE,
     PERIMETER,
-    RETRACED,
     RETRACT,
     SOLID,
     TRAVEL,
@@ -28,9 +28,11 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bead import bead_areas, bead_spacing
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
+from v3dcad.toolpath.overhang import Hanging, Laid, hanging, laid_beads, refuse_spans
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
@@ -49,57 +51,64 @@ def trace(
     layers: Iterable[Layer],
     settings: PrintSettings,
     report: Callable[[LayerReport], None] | None = None,
+    *,
+    thesis: bool = False,
 ) -> Iterator[Toolpath]:
-    """One toolpath a layer: every cell edge and perimeter extruded once.
+    """One toolpath a layer: every cell edge and perimeter extruded.
 
     The first layer with something to print lies on the bed, as high as the first layer's beads;
     the others as far above it as their sections are, each filling the height to the one below.
-    Layers under it get empty toolpaths. `report` is told of each layer as soon as it is traced.
-    Layers are held only as long as it takes to know whether they are among the top ones. Raises
-    `GeometryError` where layers do not ascend, and at the end where nothing of the part was
-    printed.
+    Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
+    the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
+    as long as it takes to know whether they are among the top ones. Raises `GeometryError` where
+    layers do not ascend, where beads span more than `fail_over`, and at the end where nothing of
+    the part was printed.
     """
     nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
+    laid: Laid | None = None
+    certified = report is not None or not isinstance(settings.fail_over, str)
     traced = made = False
-    for (layer, area, printed), skin in shells(cuts(layers, settings), *settings.solid_layers()):
+    # A layer waits for its skin, which sections above have a say in.
+    waiting, ahead = tee(layers)
+    areas = cuts((layer.section for layer in ahead), settings)
+    found = shells(areas, *settings.solid_layers())
+    for layer, ((area, printed), skin) in zip(waiting, found, strict=True):
         first = nozzle.level == 0
         if printed:
             nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
         seams.rise()
-        plan = Plan(layer, area, skin, settings, first, nozzle.spacing, linked, seams, below)
+        plan = Plan(
+            layer, area, skin, settings, first, nozzle.spacing, linked, seams, below, thesis
+        )
         before = nozzle.position
         strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
         for stroke in strokes:
             nozzle.print(stroke)
+        toolpath = nozzle.taken(layer.index)
+        hang: tuple[Hanging, ...] = ()
+        if certified and printed:
+            if laid is not None and below is not None:
+                hang = hanging(
+                    toolpath, before, laid, below.area, settings.bead_width, nozzle.height
+                )
+                refuse_spans(hang, layer.index, nozzle.level, settings.fail_over)
+            laid = laid_beads(toolpath, before)
         if printed:
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        toolpath = nozzle.taken(layer.index)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, len(strokes), plan, seconds, level))
+            report(layer_report(toolpath, before, len(strokes), plan, seconds, level, hang))
         yield toolpath
     if traced and not made:
         raise GeometryError(
             f"nothing of the part is printed: all of it is narrower than beads of "
             f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
         )
-
-
-def bead_area(width: float, height: float, shape: str) -> float:
-    """Cross-section of a bead, mm²: a rectangle, or one with half-round sides ("rounded").
-
-    The rounded one is as wide and as high as the rectangle around it; where it would be higher
-    than wide, top and bottom are the round ones.
-    """
-    if shape == "rectangle":
-        return width * height
-    low = min(width, height)
-    return low * (max(width, height) - low) + np.pi / 4 * low**2
 
 
 class Steps(NamedTuple):
@@ -120,6 +129,7 @@ class Nozzle:
         self.settings = settings
         self.position = np.zeros(3)
         self.level = 0.0
+        self.height = 0.0
         self._above = 0.0
         self._areas = np.zeros(FEATURES)
         self.spacing = 0.0
@@ -140,12 +150,9 @@ class Nozzle:
                 "give layers in ascending order",
                 layer=layer.index,
             )
-        flow = settings.flow if below else settings.first_layer_flow
-        area = bead_area(settings.bead_width, self.level - below, settings.bead_shape)
-        # Beads so far apart fill the layer between them.
-        self.spacing = area / (self.level - below)
-        self._areas = np.full(FEATURES, area * flow / 100)
-        self._areas[BRIDGE] = area * settings.bridge_flow / 100
+        self.height = self.level - below
+        self.spacing = bead_spacing(settings, self.height)
+        self._areas = bead_areas(settings, self.height, first=not below)
         self._speed = np.minimum(
             _speeds(settings, first=not below), settings.most_flow / self._areas
         )
@@ -154,14 +161,13 @@ class Nozzle:
     def print(self, stroke: Stroke) -> None:
         """Travel to a stroke's start and extrude it."""
         self._travel(stroke.points[0])
-        extruding = stroke.feature != RETRACED
         ends = stroke.points[1:]
         self._steps.append(
             Steps(
                 np.column_stack([ends, np.full(len(ends), self.level)]),
-                np.where(extruding, EXTRUDE, TRAVEL).astype(np.int8),
+                np.full(len(ends), EXTRUDE, dtype=np.int8),
                 stroke.laid * self._areas[stroke.feature],
-                np.where(extruding, self._speed[stroke.feature], self.settings.travel_speed),
+                self._speed[stroke.feature],
                 stroke.feature,
                 stroke.centre,
             )

@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from v3dcad.model import Diagram
+from v3dcad.model import Diagram, Floats
 from v3dcad.toolpath.perimeters import inset, opened
+from v3dcad.toolpath.scan_lines import ScanLines, gaps
+from v3dcad.toolpath.skins import NOTHING
 
 ANGLES = np.arange(0.0, 180.0, 15.0)
 """Directions of bridges that are tried, degrees."""
@@ -20,6 +22,16 @@ LEAST_BRIDGE = 2.0
 """Bead spacings: a narrower strip over air is held from both sides."""
 FREE = 4.0
 """Times its length: what a line with a free end counts as."""
+
+
+class Held(NamedTuple):
+    """What holds up bridges."""
+
+    solid: shapely.Geometry
+    walls: Floats
+    """(n, 2, 2) mm, both ends of walls in the foam"""
+    width: float = 0.0
+    """mm, of a wall"""
 
 
 class Below(NamedTuple):
@@ -36,15 +48,10 @@ class Below(NamedTuple):
         """Perimeters and skins."""
         return shapely.difference(self.area, self.foam)
 
-    def held(self, area: shapely.Geometry) -> shapely.Geometry:
-        """What of the layer holds up an area on it: solid parts, and walls in the foam."""
-        inner = self.diagram.edges[self.diagram.inner()]
-        lines = shapely.linestrings(self.diagram.vertices[inner])
-        near = lines[shapely.intersects(lines, shapely.intersection(self.foam, area))]
-        walls = shapely.intersection(
-            shapely.union_all(shapely.buffer(near, self.wall / 2)), self.foam
-        )
-        return shapely.union(self.solid(), walls)
+    def held(self) -> Held:
+        """What of the layer holds up the next: solid parts, and walls in the foam."""
+        walls = self.diagram.vertices[self.diagram.edges[self.diagram.inner()]]
+        return Held(self.solid(), walls, self.wall)
 
 
 def bridges(
@@ -54,19 +61,28 @@ def bridges(
 
     Beads lie `spacing` apart (mm).
     """
-    radius = LEAST_BRIDGE * spacing / 2
-    bare = inset(shapely.difference(skin, below.solid()), radius)
-    if bare.is_empty:
-        return skin, []
-    grown = inset(bare, -radius - ANCHOR * spacing)
-    rest = opened(shapely.difference(skin, grown), radius)
-    over = shapely.difference(skin, rest)
-    held = below.held(over)
+    held = below.held()
+    rest, over = resting(skin, held.solid, spacing)
+    if over.is_empty:
+        return rest, []
     parts = [part for part in shapely.get_parts(over) if part.geom_type == "Polygon"]
     return rest, [(part, direction(part, held, spacing)) for part in parts]
 
 
-def direction(area: shapely.Geometry, held: shapely.Geometry, spacing: float) -> float:
+def resting(
+    skin: shapely.Geometry, solid: shapely.Geometry, spacing: float
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """What of a skin rests on what is `solid` below, and what is a bridge, ends and all."""
+    radius = LEAST_BRIDGE * spacing / 2
+    bare = inset(shapely.difference(skin, solid), radius)
+    if bare.is_empty:
+        return skin, NOTHING
+    grown = inset(bare, -radius - ANCHOR * spacing)
+    rest = opened(shapely.difference(skin, grown), radius)
+    return rest, shapely.difference(skin, rest)
+
+
+def direction(area: shapely.Geometry, held: Held, spacing: float) -> float:
     """The direction, degrees, of the bridge over an area with the shortest spans.
 
     Lines across the area are tried in each of `ANGLES`: of what is not `held` from below, the
@@ -77,28 +93,15 @@ def direction(area: shapely.Geometry, held: shapely.Geometry, spacing: float) ->
     return float(ANGLES[costs.index(min(costs))])
 
 
-def _cost(
-    area: shapely.Geometry, held: shapely.Geometry, angle: float, spacing: float
-) -> tuple[float, float]:
+def _cost(area: shapely.Geometry, held: Held, angle: float, spacing: float) -> tuple[float, float]:
     """The longest span, in whole bead spacings, and the sum of squares."""
-    turn = np.radians(angle)
-    along, across = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-    points = shapely.get_coordinates(area)
-    (left, right), (low, high) = ((x.min(), x.max()) for x in (points @ along, points @ across))
-    count = int(np.clip(round((high - low) / spacing), 1, TRIED))
-    step = (high - low) / count
-    rows = (low + (np.arange(count) + 0.5) * step)[:, None] * across
-    lines = shapely.linestrings(
-        np.stack([rows + (left - 1) * along, rows + (right + 1) * along], axis=1)
-    )
-    inside = shapely.get_parts(shapely.get_parts(shapely.intersection(lines, area)))
-    # All lines at once: each by itself would go through all walls in the foam again.
-    crossing = shapely.multilinestrings(inside[shapely.length(inside) > 0])
-    free = shapely.get_parts(shapely.difference(crossing, held))
-    free = free[shapely.length(free) > spacing / 4]
-    if not len(free):
+    lines = ScanLines.across(area, angle, spacing, TRIED)
+    reach = spacing / 2  # the round end of a bead
+    solid = lines.inside(held.solid) + np.array([-reach, reach])
+    walls = lines.over(held.walls, held.width / 2 + reach)
+    lengths, loose = gaps(lines.inside(area), np.concatenate([solid, walls]))
+    wide = lengths > spacing / 4
+    spans = np.where(loose, FREE, 1.0)[wide] * lengths[wide]
+    if not len(spans):
         return 0.0, 0.0
-    ends = [shapely.get_point(free, number) for number in (0, -1)]
-    loose = ~np.all([shapely.dwithin(end, held, spacing / 10) for end in ends], axis=0)
-    spans = np.where(loose, FREE, 1.0) * shapely.length(free)
-    return float(np.rint(spans.max() / spacing)), float((spans**2).sum() * step)
+    return float(np.rint(spans.max() / spacing)), float((spans**2).sum() * lines.step)

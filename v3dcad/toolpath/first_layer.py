@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry.section_area import section_area
-from v3dcad.model import Floats, Layer
+from v3dcad.model import Floats, Section
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.perimeters import inset, outermost_depth
 from v3dcad.toolpath.skins import Cut
@@ -23,17 +23,17 @@ OVERHANGS = 0.05
 """Nor does one that stands on so small a share of its largest section."""
 
 
-def cuts(layers: Iterable[Layer], settings: PrintSettings) -> Iterator[Cut]:
-    """Each layer with its section's area.
+def cuts(sections: Iterable[Section], settings: PrintSettings) -> Iterator[Cut]:
+    """The areas of sections, ascending in z.
 
-    It is printed from the first one on that has room for a bead: a part that stands on a point or a
-    line may begin with sections that have none.
+    They are printed from the first one on that has room for a bead: a part that stands on a point
+    or a line may begin with sections that have none.
     """
     begun = False
-    for layer in layers:
-        area = section_area(layer.section)
+    for section in sections:
+        area = section_area(section)
         begun = begun or not inset(area, outermost_depth(settings)).is_empty
-        yield Cut(layer, area, begun)
+        yield Cut(area, begun)
 
 
 def brim_width(area: shapely.Geometry, settings: PrintSettings) -> float:

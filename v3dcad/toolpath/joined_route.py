@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry import arcs
+from v3dcad.geometry.loops.corners import links_rounded
 from v3dcad.geometry.loops.joining import Linked, joined
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
@@ -60,6 +61,7 @@ def joined_strokes(
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
     curves = joined(loops.thinned(shortest), spacing, linked, shortest)
+    curves = links_rounded(curves, shortest)
     left = [
         Closed(
             curves.points[start:stop],
@@ -68,7 +70,7 @@ def joined_strokes(
         )
         for start, stop in zip(curves.first[:-1], curves.first[1:], strict=True)
     ]
-    yield from _in_order(_from_seams(outer, seams), left, spacing, here)
+    yield from _in_order(_from_seams(outer, seams), left, spacing, here, shortest)
 
 
 def _from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
@@ -92,7 +94,7 @@ def _from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
 
 
 def _in_order(
-    outer: list[Closed], curves: list[Closed], spacing: float, here: Floats
+    outer: list[Closed], curves: list[Closed], spacing: float, here: Floats, shortest: float
 ) -> Iterator[Stroke]:
     lines = [shapely.LinearRing(curve.points) for curve in curves]
     while outer or curves:
@@ -106,7 +108,7 @@ def _in_order(
             nearest = int(np.argmin(gaps))
             if outer and gaps[nearest] > NEAR * spacing:
                 break
-            curve = _entered(curves.pop(nearest), lines.pop(nearest), here)
+            curve = _entered(curves.pop(nearest), lines.pop(nearest), here, shortest)
             if stroke and gaps[nearest] > STEP_IN * spacing:
                 yield _stroke(stroke)
                 stroke = []
@@ -120,13 +122,26 @@ def _open(loop: Closed) -> Closed:
     return loop._replace(points=np.vstack([loop.points, loop.points[:1]]))
 
 
-def _entered(curve: Closed, line: shapely.Geometry, here: Floats) -> Closed:
-    """A curve from the place on it that is nearest to `here`, and round to it again."""
+def _entered(curve: Closed, line: shapely.Geometry, here: Floats, shortest: float) -> Closed:
+    """A curve from the place on it that is nearest to `here`, and round to it again.
+
+    A corner within `shortest` mm of that place stands for it, so that no shorter step is made.
+    """
     along = shapely.line_locate_point(line, shapely.Point(here))
-    place = shapely.get_coordinates(shapely.line_interpolate_point(line, along))[0]
     steps = np.hypot(*(np.roll(curve.points, -1, axis=0) - curve.points).T)
     passed = np.cumsum(steps) - steps
     step = int(np.searchsorted(passed, along, side="right")) - 1
+    gone = along - passed[step]
+    left = steps[step] - gone
+    if min(gone, left) < shortest:
+        corner = step if gone <= left else step + 1
+        turned = Closed(
+            np.roll(curve.points, -corner, axis=0),
+            np.roll(curve.feature, -corner),
+            np.roll(curve.centre, -corner, axis=0),
+        )
+        return _open(turned)
+    place = shapely.get_coordinates(shapely.line_interpolate_point(line, along))[0]
     points = np.roll(curve.points, -step - 1, axis=0)
     feature = np.roll(curve.feature, -step - 1)
     return Closed(

@@ -14,10 +14,10 @@ from v3dcad.model import (
     BRIDGE,
     BRIM,
     PERIMETER,
-    RETRACED,
     SKIRT,
     SOLID,
     Floats,
+    Ints,
     Layer,
 )
 from v3dcad.settings import PrintSettings
@@ -31,15 +31,13 @@ from v3dcad.toolpath.graph import (
 )
 from v3dcad.toolpath.joined_route import joined_strokes
 from v3dcad.toolpath.perimeters import inset, loops, outermost_depth, with_arcs
-from v3dcad.toolpath.route import Walk, minimum_join, walks
+from v3dcad.toolpath.route import closed_strokes, minimum_join
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import NOTHING, parted
 from v3dcad.toolpath.solid import hatch
 from v3dcad.toolpath.stroke import Stroke
+from v3dcad.toolpath.tree_route import tree_walks
 from v3dcad.toolpath.trim import trimmed
-
-NO_TREE = np.empty((0, 2), np.int64)
-"""For routes that need none."""
 
 
 @dataclass(slots=True)
@@ -58,10 +56,12 @@ class Plan:
     seams: Seams
     below: Below | None
     """the layer below; None on the bed"""
+    thesis: bool
+    """whether walls of one bead are printed in the thesis's order"""
     foam: shapely.Geometry = NOTHING
     """where there are cells"""
     joined: int = 0
-    least_retraced: float = 0.0
+    retraced: float = 0.0
     narrow_area: float = 0.0
     here: Floats = field(default_factory=lambda: np.zeros(2))
 
@@ -74,9 +74,8 @@ class Plan:
             yield from self._around()
         depths = perimeter_depths(self.settings, self.spacing)
         self.narrow_area = narrow_area(self.area, depths[0])
-        inner = inset(self.area, depths[-1] + self.spacing / 2)
-        self.foam, skin = parted(inner, self.skin, self.spacing)
-        if self.settings.route == "joined":
+        self.foam, skin = divided(self.area, self.skin, self.settings, self.spacing)
+        if self.settings.wall_beads == 2:
             yield from self._in_closed_strokes(depths)
         else:
             yield from self._in_walks(depths, whole=skin.is_empty)
@@ -167,12 +166,16 @@ class Plan:
         return with_arcs(graph, self.layer.section, depth) if self.settings.arcs else graph
 
     def _routed(self, graph: PathGraph) -> Iterator[Stroke]:
-        join = minimum_join(graph)
-        self.least_retraced += join.length
         laid = graph.lengths()
-        tree = self.layer.tree if self.settings.route == "tree" else NO_TREE
-        for walk in walks(graph, self.settings.route, join, self.here, tree):
-            yield self._moved_to(_stroke(graph, walk, laid))
+        if self.thesis:
+            for vertices, edges in tree_walks(graph, self.here, self.layer.tree):
+                yield self._moved_to(_stroke(graph, vertices, edges, laid))
+            return
+        join = minimum_join(graph)
+        self.retraced += join.length
+        for walk in closed_strokes(graph, join, self.here):
+            stroke = _stroke(graph, walk.vertices, walk.edges, laid)
+            yield self._moved_to(stroke._replace(other=walk.other))
 
     def _moved_to(self, stroke: Stroke) -> Stroke:
         self.here = stroke.points[-1]
@@ -184,19 +187,25 @@ def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
 
 
+def divided(
+    area: shapely.Geometry, skin: shapely.Geometry, settings: PrintSettings, spacing: float
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """What of a section's area is filled with cells, and with skins, inside the perimeters.
+
+    `skin` is what must be solid; beads lie `spacing` apart (mm).
+    """
+    depth = perimeter_depths(settings, spacing)[-1]
+    return parted(inset(area, depth + spacing / 2), skin, spacing)
+
+
 def narrow_area(area: shapely.Geometry, depth: float) -> float:
     """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there."""
     missed = float(area.area - inset(inset(area, depth), -depth).area)
     return missed if missed > 1e-6 * area.area else 0.0
 
 
-def _stroke(graph: PathGraph, walk: Walk, laid: Floats) -> Stroke:
-    return Stroke(
-        graph.vertices[walk.vertices],
-        np.where(walk.extrudes, graph.feature[walk.edges], RETRACED).astype(np.int8),
-        np.where(walk.extrudes, laid[walk.edges], 0.0),
-        graph.centre[walk.edges],
-    )
+def _stroke(graph: PathGraph, vertices: Ints, edges: Ints, laid: Floats) -> Stroke:
+    return Stroke(graph.vertices[vertices], graph.feature[edges], laid[edges], graph.centre[edges])
 
 
 def _line(points: Floats, feature: int) -> Stroke:

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from v3dcad.geometry import arcs
-from v3dcad.model import EXTRUDE, RETRACED, RETRACT, Floats, Ints, Layer, Toolpath
+from v3dcad.model import EXTRUDE, RETRACT, Floats, Ints, Layer, Toolpath
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.first_layer import stand_width, stands_badly
+from v3dcad.toolpath.overhang import Hanging
 from v3dcad.toolpath.plan import Plan
 
 MOST_NAMED = 5
@@ -24,13 +26,11 @@ class LayerReport:
     layer: int
     extruded: float
     retraced: float
-    """passed a second time, along a bead, without extruding"""
+    """passed twice, with half a bead each time"""
     travelled: float
     """moved off the beads, in x and y"""
     strokes: int
     retractions: int
-    least_retraced: float
-    """the lower bound: no closed strokes over the layer's pieces retrace less"""
     joined_edges: int
     """edges left out for being shorter than `minimum_edge`"""
     narrow_cells: tuple[int, ...]
@@ -47,27 +47,33 @@ class LayerReport:
     """how long it takes"""
     hurried: bool
     """whether it takes less than `minimum_layer_time`, even at the slowest speed"""
+    hanging: tuple[Hanging, ...]
+    """what hangs over the layer below, for each kind of beads of which some does"""
 
 
 def layer_report(
-    toolpath: Toolpath, before: Floats, strokes: int, plan: Plan, seconds: float, level: float
+    toolpath: Toolpath,
+    before: Floats,
+    strokes: int,
+    plan: Plan,
+    seconds: float,
+    level: float,
+    hanging: tuple[Hanging, ...],
 ) -> LayerReport:
     """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to.
 
-    Its beads end at `level`, mm above the bed; 0 below the first layer.
+    Its beads end at `level`, mm above the bed; 0 below the first layer. Some are `hanging`.
     """
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
-    retracing = toolpath.feature == RETRACED
     return LayerReport(
         layer=plan.layer.index,
         extruded=float(length[extruding].sum()),
-        retraced=float(length[retracing].sum()),
-        travelled=float(length[~extruding & ~retracing].sum()),
+        retraced=plan.retraced,
+        travelled=float(length[~extruding].sum()),
         strokes=strokes,
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
-        least_retraced=plan.least_retraced,
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
         narrow_area=plan.narrow_area if level else float(plan.area.area),
@@ -76,16 +82,18 @@ def layer_report(
         stand_width=stand_width(plan.area) if plan.first and level else 0.0,
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
+        hanging=hanging,
     )
 
 
 def narrow_cells(layer: Layer, settings: PrintSettings) -> Ints:
     """Site ids of the cells whose gap is less than half a bead, where both print one wall.
 
-    In joined strokes there are none: cells too small for a loop are left out. A cell's gap is taken
-    as 4 · area ÷ perimeter, which for a regular polygon is the diameter of the circle inside it.
+    With two beads to a wall there are none: cells too small for a loop are left out. A cell's gap
+    is taken as 4 · area ÷ perimeter, which for a regular polygon is the diameter of the circle
+    inside it.
     """
-    if settings.route == "joined":
+    if settings.wall_beads == 2:
         return np.empty(0, np.int64)
     width = settings.bead_width
     count = len(layer.state.sites)
@@ -103,7 +111,8 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
     hurried: list[LayerReport] = []
     stand: LayerReport | None = None
     height = largest = 0.0
-    for report in reports:
+    told = list(reports)
+    for report in told:
         for site in report.narrow_cells:
             narrow.setdefault(site, []).append(report.layer)
         unreached += report.narrow_area
@@ -113,7 +122,7 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
         height, largest = max(height, report.level), max(largest, report.area)
         if report.hurried:
             hurried.append(report)
-    found = []
+    found = printed_overhang(told).findings()
     if stand and stands_badly(stand.area, stand.stand_width, height, largest):
         found.append(
             f"the part stands on {stand.area:.3g} mm², {stand.stand_width:.2g} mm wide, and is "

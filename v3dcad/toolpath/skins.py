@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import shapely
 
-from v3dcad.model import Layer
 from v3dcad.toolpath.perimeters import inset, opened
 
 NOTHING = shapely.Polygon()
@@ -28,22 +27,21 @@ SLIVER = 1e-4
 
 
 class Cut(NamedTuple):
-    """A layer, the area of its section, and whether that is printed: not so below the first."""
+    """The area of a layer's section, and whether it is printed: not so below the first."""
 
-    layer: Layer
     area: shapely.Geometry
     printed: bool
 
 
 class Shell(NamedTuple):
-    """A layer and what of its section must be solid."""
+    """A layer's area and what of it must be solid."""
 
     cut: Cut
     skin: shapely.Geometry
 
 
 class _Bare(NamedTuple):
-    """A layer, and where the part has nothing under it and nothing on it."""
+    """A layer's area, and where the part has nothing under it and nothing on it."""
 
     cut: Cut
     under: shapely.Geometry
@@ -51,7 +49,7 @@ class _Bare(NamedTuple):
 
 
 def shells(cuts: Iterable[Cut], bottom: int, top: int) -> Iterator[Shell]:
-    """Each layer with its skin, `bottom` layers thick over faces downward, `top` under upward ones.
+    """Each layer's skin, `bottom` layers thick over faces downward, `top` under upward ones.
 
     What is not printed counts as air, and so does the bed. A layer is held until `top` more have
     come.
@@ -78,7 +76,7 @@ def shells(cuts: Iterable[Cut], bottom: int, top: int) -> Iterator[Shell]:
 
 
 def _bare(cuts: Iterable[Cut]) -> Iterator[_Bare]:
-    """Each layer with what lies bare of it, as soon as the next is known."""
+    """What lies bare of each layer, as soon as the next is known."""
     before: Cut | None = None
     under = NOTHING
     for cut in cuts:

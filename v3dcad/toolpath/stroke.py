@@ -8,42 +8,50 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.loops.coverage import covered
-from v3dcad.model import BRIDGE, RETRACED, Bytes, Floats
+from v3dcad.model import BRIDGE, Bytes, Floats, Ints
 
 
 class Stroke(NamedTuple):
     """One stroke of the nozzle: `points` (k + 1, 2), mm, and for each of the k steps
 
-    its feature (RETRACED where nothing is extruded), how many mm of full bead are laid, and
-    the centre (k, 2) where it is an arc (else NaN).
+    its feature, how many mm of full bead are laid, the centre (k, 2) where it is an arc (else NaN),
+    and the other step along the same line: itself, where that is passed once. None: all are.
     """
 
     points: Floats
     feature: Bytes
     laid: Floats
     centre: Floats
+    other: Ints | None = None
 
 
 def capped(strokes: Sequence[Stroke], spacing: float) -> list[Stroke]:
     """The strokes of a layer with no more bead than there is room for, beads `spacing` (mm) wide.
 
     Where beads come nearer to each other than that, as in narrow tips, thin parts and junctions of
-    walls of one bead, each gets what lies nearest to it. Bridges are laid in full: they hang free,
-    with a flow of their own.
+    walls of one bead, each gets what lies nearest to it. Of a line that is passed twice, half is
+    laid each time. Bridges are laid in full: they hang free, with a flow of their own.
     """
     if not strokes:
         return []
-    laid = [stroke.feature != RETRACED for stroke in strokes]
+    first = [
+        np.ones(len(one.laid), np.bool_) if one.other is None
+        else np.arange(len(one.laid)) <= one.other
+        for one in strokes
+    ]  # fmt: skip
     share = covered(
-        np.concatenate([stroke.points[:-1][on] for stroke, on in zip(strokes, laid, strict=True)]),
-        np.concatenate([stroke.points[1:][on] for stroke, on in zip(strokes, laid, strict=True)]),
-        np.repeat(np.arange(len(strokes)), [int(on.sum()) for on in laid]),
+        np.concatenate([one.points[:-1][on] for one, on in zip(strokes, first, strict=True)]),
+        np.concatenate([one.points[1:][on] for one, on in zip(strokes, first, strict=True)]),
+        np.repeat(np.arange(len(strokes)), [int(on.sum()) for on in first]),
         spacing,
     )
-    ends = np.cumsum([on.sum() for on in laid])[:-1]
+    ends = np.cumsum([on.sum() for on in first])[:-1]
     fed = []
-    for stroke, on, part in zip(strokes, laid, np.split(share, ends), strict=True):
-        amount = stroke.laid.copy()
-        amount[on] *= np.where(stroke.feature[on] == BRIDGE, 1.0, part)
-        fed.append(stroke._replace(laid=amount))
+    for one, on, part in zip(strokes, first, np.split(share, ends), strict=True):
+        amount = one.laid.copy()
+        amount[on] *= np.where(one.feature[on] == BRIDGE, 1.0, part)
+        if one.other is not None:
+            amount = np.where(on, amount, amount[one.other])
+            amount[one.other != np.arange(len(amount))] /= 2
+        fed.append(one._replace(laid=amount))
     return fed

@@ -24,6 +24,11 @@ LETTERS = (3.5, 9.0)
 """The least and greatest size of a number in its cell, points."""
 
 
+def plane_of(shown: Preview) -> list[int]:
+    """Which of x, y and z are drawn to the right and upwards: a cut is seen from the front."""
+    return [0, 2] if shown.target == "cut" else [0, 1]
+
+
 def draw(axes: Axes, shown: Preview, ids: bool) -> None:
     """Draw a preview in bed coordinates: x and y, or x and z where it is a cut.
 
@@ -32,10 +37,9 @@ def draw(axes: Axes, shown: Preview, ids: bool) -> None:
     """
     from matplotlib.collections import LineCollection
 
-    upright = shown.target == "cut"
-    plane = [0, 2] if upright else [0, 1]
+    plane = plane_of(shown)
     axes.set_aspect("equal")
-    axes.set(xlabel="x (mm)", ylabel="z (mm)" if upright else "y (mm)")
+    axes.set(xlabel="x (mm)", ylabel=f"{'xyz'[plane[1]]} (mm)")
     if shown.areas is not None and shown.scale is not None:
         axes.add_collection(_filled(shown.areas, shown.scale))
     count = sum(len(one.pairs) for one in shown.lines)
@@ -48,7 +52,7 @@ def draw(axes: Axes, shown: Preview, ids: bool) -> None:
                 linewidths=thinner * WIDTHS.get(one.role, WIDTH),
                 linestyles="dashed" if one.role == "travel" else "solid",
                 capstyle="butt" if one.role == "travel" else "round",
-                label=one.role,
+                label="_" if one.role == "context" else one.role,  # it speaks for itself
             )
         )
     for mark in shown.marks:
@@ -58,7 +62,7 @@ def draw(axes: Axes, shown: Preview, ids: bool) -> None:
     chosen = shown.target in ("cell", "neighbours", "neighbour")
     if ids or chosen:
         _number(axes, shown, plane)
-    if len(shown.legend) > 1:  # one role alone needs no words
+    if len(shown.legend.keys() - {"context"}) > 1:  # one role alone needs no words
         _explain(axes)
 
 

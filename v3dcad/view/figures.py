@@ -12,7 +12,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from v3dcad.model import Layer, Mesh
+import numpy as np
+
+from v3dcad.model import Floats, Layer, Mesh
 from v3dcad.view import drawing, picture
 from v3dcad.view.targets.shown import Preview
 from v3dcad.view.targets.sizes import SizeDistribution
@@ -23,8 +25,9 @@ if TYPE_CHECKING:
 DPI = 150
 """Pixels per inch of PNG files, and of what is painted within SVG files."""
 
-SIDE = 8.0
-"""Inches: how wide and tall a picture is; one with two panels is wider."""
+SIDE, FLATTEST, WORDS = 8.0, 3.0, 1.2
+"""Inches: how wide a picture is, and how tall at most and at least; one with two panels is wider.
+What words and axes need of the height."""
 
 LETTERS_IN_LINE = 88
 """About how many letters of a title fit into a line."""
@@ -33,6 +36,7 @@ LETTERS_IN_LINE = 88
 def part_picture(
     layers: Sequence[Layer],
     part: Mesh,
+    base: float,
     name: str = "",
     facts: str = "",
     kind: str = "png",
@@ -44,11 +48,14 @@ def part_picture(
 ) -> bytes:
     """A filled part in space, of layers and a part in bed coordinates; see `picture.draw`.
 
-    `name` and `facts` are its title; a picture without a name, such as a thumbnail, has none.
+    `name` and `facts` are its title; a picture without a name, such as a thumbnail, has none, and
+    is square.
     """
-    with _figure(pixels / DPI, pixels / DPI) as figure:
+    width = pixels / DPI
+    seen, _ = picture.eye_on(part, from_top).seen(part.vertices)
+    with _figure(width, _height(seen, width) if name else width) as figure:
         axes = figure.add_subplot()
-        scale = picture.draw(axes, layers, part, from_top=from_top, whole=whole, tilts=tilts)
+        scale = picture.draw(axes, layers, part, base, from_top=from_top, whole=whole, tilts=tilts)
         if name:
             figure.suptitle(_title(name, facts))
         if scale is not None:
@@ -69,7 +76,9 @@ def plane_picture(
     With a `distribution` a second panel shows the sizes of cells over the height.
     """
     panels = 1 if distribution is None else 2
-    with _figure(SIDE + 4 * (panels - 1), SIDE) as figure:
+    drawn = np.concatenate([one.points for one in shown.lines])[:, drawing.plane_of(shown)]
+    height = SIDE if distribution is not None else _height(drawn, SIDE)
+    with _figure(SIDE + 4 * (panels - 1), height) as figure:
         axes, *others = figure.subplots(1, panels, squeeze=False, width_ratios=[2, 1][:panels])[0]
         drawing.draw(axes, shown, ids)
         if shown.scale is not None:
@@ -79,6 +88,15 @@ def plane_picture(
             drawing.draw_sizes(other, distribution, float(shown.labels.points[0, 2]))
         figure.suptitle(_title(name, shown.title))
         return _bytes(figure, kind)
+
+
+def _height(points: Floats, width: float) -> float:
+    """Inches: how tall a picture of so many is in which points (n, 2) are to be seen."""
+    if not len(points):
+        return width
+    across, upwards = np.ptp(points, axis=0).tolist()
+    share = upwards / across if across > 0 else 1.0
+    return float(np.clip(width * share + WORDS, min(FLATTEST, width), width))
 
 
 def _title(name: str, facts: str) -> str:

@@ -10,8 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
+from v3dcad.geometry.section_area import contour_lines
 from v3dcad.model import Floats, Layer
 
 TURN = np.radians(-30)
@@ -60,7 +62,7 @@ class Eye(NamedTuple):
 
 
 class Strips(NamedTuple):
-    """The walls, or the contours, of one layer up to where the next is drawn."""
+    """The walls, or the contours, of one layer from its lower to its upper end."""
 
     corners: Floats
     """(s, 4, 3) mm: two below, then the two above them in the opposite order"""
@@ -75,18 +77,18 @@ class Strips(NamedTuple):
         return np.concatenate([first[self.cut[:, 0]], second[self.cut[:, 1]]])
 
 
-def wall_strips(layer: Layer, rise: float, values: Floats, corner: Floats | None) -> Strips:
-    """The walls of a layer, `rise` mm high, leaning as they do.
+def wall_strips(
+    layer: Layer, span: tuple[float, float], values: Floats, corner: Floats | None
+) -> Strips:
+    """The walls of a layer from the lower to the upper height of its span, mm, leaning as they do.
 
     `values` (e,) are those of all edges. What lies to the right of `corner` (2,), mm, and in front
     of it is cut away; without a corner nothing is.
     """
     diagram = layer.diagram
     inner = diagram.inner()
-    lower = diagram.vertices[diagram.edges[inner]]
-    farthest = layer.area_per_cell**0.5 / 3  # farther on, other walls meet
-    drift = np.clip(rise * _drifts(layer), -farthest, farthest)
-    upper = _uncrossed(lower, lower + drift[diagram.edges[inner]])
+    drifts = _drifts(layer)
+    lower, upper = (_leaning(layer, drifts, height) for height in span)
     count = len(lower)
     which, cut = np.arange(count), np.zeros((count, 2), np.bool_)
     if corner is not None:
@@ -102,20 +104,36 @@ def wall_strips(layer: Layer, rise: float, values: Floats, corner: Floats | None
         leaves_above = np.where((leaves_above > 0) & (leaves_above < 1), leaves_above, leaves)
         lower = _between(lower[which], cut, leaves[which], enters[which])
         upper = _between(upper[which], cut, leaves_above[which], enters_above[which])
-    return Strips(_standing(lower, upper, layer.z, rise), values[inner][which], cut)
+    return Strips(_standing(lower, upper, span), values[inner][which], cut)
 
 
-def contour_strips(layer: Layer, rise: float) -> Strips:
-    """The contours of a layer, `rise` mm high and upright."""
-    ends = layer.diagram.vertices[layer.diagram.edges[~layer.diagram.inner()]]
-    corners = _standing(ends, ends, layer.z, rise)
+def contour_strips(layer: Layer, span: tuple[float, float], tolerance: float) -> Strips:
+    """The contours of a layer, upright from the lower to the upper height of its span, mm.
+
+    Corners that lie within `tolerance`, mm, of a straight line are left out.
+    """
+    rings = shapely.get_parts(shapely.simplify(contour_lines(layer.section), tolerance))
+    lines = [shapely.get_coordinates(ring) for ring in rings]
+    ends = np.concatenate(
+        [np.empty((0, 2, 2)), *(np.stack([line[:-1], line[1:]], axis=1) for line in lines)]
+    )
+    corners = _standing(ends, ends, span)
     return Strips(corners, np.zeros(len(ends)), np.zeros((len(ends), 2), np.bool_))
 
 
-def _standing(lower: Floats, upper: Floats, z: float, rise: float) -> Floats:
-    """Strips (s, 4, 3) from edges (s, 2, 2) at a height to edges above them."""
+def _leaning(layer: Layer, drifts: Floats, height: float) -> Floats:
+    """(w, 2, 2) where the walls of a layer are at a height, mm, as its corners drift."""
+    edges = layer.diagram.edges[layer.diagram.inner()]
+    here = layer.diagram.vertices[edges]
+    farthest = layer.area_per_cell**0.5 / 3  # farther on, other walls meet
+    drift = np.clip((height - layer.z) * drifts, -farthest, farthest)
+    return _uncrossed(here, here + drift[edges])
+
+
+def _standing(lower: Floats, upper: Floats, span: tuple[float, float]) -> Floats:
+    """Strips (s, 4, 3) from edges (s, 2, 2) at the lower height to edges at the upper one."""
     flat = np.concatenate([lower, upper[:, ::-1]], axis=1)
-    heights = np.broadcast_to([z, z, z + rise, z + rise], flat.shape[:2])
+    heights = np.broadcast_to(np.repeat(span, 2), flat.shape[:2])
     return np.concatenate([flat, heights[:, :, None]], axis=2)
 
 
@@ -132,11 +150,11 @@ def _between(ends: Floats, cut: NDArray[np.bool_], begin: Floats, stop: Floats) 
     )
 
 
-def _uncrossed(lower: Floats, upper: Floats) -> Floats:
-    """The upper edges (w, 2, 2); one that is turned round has shrunk to a point on its way."""
-    turned = ((lower[:, 1] - lower[:, 0]) * (upper[:, 1] - upper[:, 0])).sum(axis=1) < 0
-    middle = upper.mean(axis=1, keepdims=True)
-    return np.where(turned[:, None, None], middle, upper)
+def _uncrossed(here: Floats, there: Floats) -> Floats:
+    """The edges there (w, 2, 2); one that is turned round has shrunk to a point on its way."""
+    turned = ((here[:, 1] - here[:, 0]) * (there[:, 1] - there[:, 0])).sum(axis=1) < 0
+    middle = there.mean(axis=1, keepdims=True)
+    return np.where(turned[:, None, None], middle, there)
 
 
 def _drifts(layer: Layer) -> Floats:

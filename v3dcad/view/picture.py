@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -16,14 +16,24 @@ from v3dcad.view.colours import BLUE, GREY, ramp, rgb
 from v3dcad.view.outline import outline
 from v3dcad.view.perspective import ABOVE, ON_TOP, Eye, Strips, contour_strips, wall_strips
 from v3dcad.view.targets.shown import Scale
-from v3dcad.view.targets.whole import edge_tilts, layer_step
+from v3dcad.view.targets.whole import edge_tilts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-MOST_STRIPS, MOST_LAYERS = 100_000, 100
-"""About how many strips, and how many layers, are painted: of more, every so many layers."""
+MOST_WALLS, MOST_LAYERS = 75_000, 100
+"""Of about how many edges walls are painted, and how many layers: of more, every so many layers."""
+
+FINE = 5e-4
+"""What of a contour is smaller than this share of the part's size cannot be seen."""
+
+WIDTH = 0.9
+"""Of the edges of strips, points: walls that are seen edge-on are lines."""
+
+MARGIN = 0.03
+"""Of the picture's sides, around the part."""
 
 LIGHT = np.array([0.35, -0.45, 0.82])
 """Where light comes from; a unit vector."""
@@ -50,8 +60,6 @@ class Paint(NamedTuple):
     """(p, 4) red, green, blue and opacity"""
     edges: Floats
     """(p, 4)"""
-    widths: Floats
-    """(p,) of the edges, points"""
 
 
 class Chosen(NamedTuple):
@@ -66,23 +74,35 @@ class Chosen(NamedTuple):
     """whether layers are so many that what is left out may be missed"""
 
 
-def choose(layers: Sequence[Layer]) -> Chosen:
-    """The layers to paint. Goes through all layers once."""
+def choose(layers: Sequence[Layer], most: int | None = None) -> Chosen:
+    """The layers to paint, with about `most` edges of walls. Goes through all layers once.
+
+    The layer in the middle stands for all when they are counted.
+    """
+    middle = layers[len(layers) // 2]
+    walls = len(layers) * np.count_nonzero(middle.diagram.inner())
     needed = math.ceil(len(layers) / MOST_LAYERS)
-    step = max(layer_step(layers, MOST_STRIPS), needed)
+    step = max(math.ceil(walls / (most or MOST_WALLS)), needed)
     chosen: list[Layer] = []
-    cells: set[int] = set()
+    seen = np.zeros(len(middle.state.sites) + 1, np.bool_)  # the last is OUTSIDE, which is −1
     for place, layer in enumerate(layers):
-        cells.update(layer.diagram.sites().tolist())
+        seen[layer.diagram.edge_sites] = True
         if place % step == 0:
             chosen.append(layer)
-    return Chosen(chosen, step, len(cells), step > needed)
+    return Chosen(chosen, step, int(np.count_nonzero(seen[:-1])), step > needed)
+
+
+def eye_on(part: Mesh, from_top: bool) -> Eye:
+    """The eye that looks at a part."""
+    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
+    return Eye((low + high) / 2, float(np.linalg.norm(high - low)), ON_TOP if from_top else ABOVE)
 
 
 def draw(
     axes: Axes,
     layers: Sequence[Layer],
     part: Mesh,
+    base: float,
     *,
     from_top: bool = False,
     whole: bool = False,
@@ -90,50 +110,74 @@ def draw(
 ) -> Scale | None:
     """Paint some layers and the part that they fill, both in bed coordinates.
 
-    The quarter of the walls that is nearest to the eye is cut away, unless they are wanted `whole`.
-    With `tilts` each wall has the colour of how far it leans, on the scale that is returned.
+    A layer begins `base` mm over its section (`FillSettings.layer_span`), and reaches up to the
+    next that is painted. The quarter of the walls that is nearest to the eye is cut away, unless
+    they are wanted `whole`. With `tilts` each wall has the colour of how far it leans, on the scale
+    that is returned.
     """
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
 
-    low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
-    eye = Eye((low + high) / 2, float(np.linalg.norm(high - low)), ON_TOP if from_top else ABOVE)
+    eye = eye_on(part, from_top)
     corner = None if whole else eye.middle[:2]
+    bottom, top = float(part.vertices[:, 2].min()), float(part.vertices[:, 2].max())
     leans = [edge_tilts(layer) if tilts else np.zeros(len(layer.diagram.edges)) for layer in layers]
     scale = Scale("tilt", "°", 0.0, max(map(_greatest, leans), default=0.0)) if tilts else None
-    paints: list[Paint] = []
-    sides = [np.empty((0, 2, 3))]
-    for place, layer in enumerate(layers):
-        above = layers[place + 1] if place + 1 < len(layers) else None
-        rise = max((float(high[2]) if above is None else above.z) - layer.z, 0.0)
-        walls = wall_strips(layer, rise, leans[place], corner)
-        paints.append(_painted(walls, contour_strips(layer, rise), above, eye, scale))
-        sides.append(walls.sides())
+    spans = _spans(layers, base, top)
+    walls = [
+        wall_strips(layer, span, lean, corner)
+        for layer, span, lean in zip(layers, spans, leans, strict=True)
+    ]
     if layers:
-        axes.add_patch(_floor(layers[0], eye))
-        paint = Paint(*map(np.concatenate, zip(*paints, strict=True)))
-        axes.add_collection(
-            PolyCollection(
-                paint.corners,  # type: ignore[arg-type]
-                facecolors=paint.faces,
-                edgecolors=paint.edges,
-                linewidths=paint.widths,
-                joinstyle="round",
-                rasterized=True,
+        axes.add_patch(_floor(layers[0], bottom, eye))
+        painted = [
+            _painted(strips, contour_strips(layer, span, FINE * eye.size), above, eye, scale)
+            for layer, span, strips, above in zip(
+                layers, spans, walls, [*layers[1:], None], strict=True
             )
-        )
+        ]
+        axes.add_collection(_polygons(painted), autolim=False)
     # The quarter that is cut away is the nearest to the eye: nothing hides what it lays open.
-    for lines, colour, width in (
-        (np.concatenate(sides), INK, 1.4),
-        (outline(part, eye), OUTLINE, 0.8),
-    ):
+    sides = np.concatenate([np.empty((0, 2, 3)), *(strips.sides() for strips in walls)])
+    for lines, colour, width in ((sides, INK, 1.4), (outline(part, eye), OUTLINE, 0.8)):
         flat, _ = eye.seen(lines)
-        axes.add_collection(
-            LineCollection(list(flat), colors=[colour], linewidths=width, capstyle="round")
-        )
-    axes.set_aspect("equal")
-    axes.autoscale_view()
-    axes.set_axis_off()
+        drawn = LineCollection(list(flat), colors=[colour], linewidths=width, capstyle="round")
+        axes.add_collection(drawn, autolim=False)
+    _fit(axes, eye.seen(part.vertices)[0])
     return scale
+
+
+def _spans(layers: Sequence[Layer], base: float, top: float) -> list[tuple[float, float]]:
+    """From where to where layers reach, mm: up to the next, and the last up to the part's top."""
+    floors = [layer.z + base for layer in layers]
+    return [
+        (floor, max(floor, ceiling))
+        for floor, ceiling in zip(floors, [*floors[1:], top], strict=False)
+    ]
+
+
+def _polygons(painted: Iterable[Paint]) -> PolyCollection:
+    """Polygons as matplotlib paints them, one after the other."""
+    from matplotlib.collections import PolyCollection
+
+    paint = Paint(*map(np.concatenate, zip(*painted, strict=True)))
+    return PolyCollection(
+        paint.corners,  # type: ignore[arg-type]
+        facecolors=paint.faces,
+        edgecolors=paint.edges,
+        linewidths=WIDTH,
+        joinstyle="round",
+        rasterized=True,
+    )
+
+
+def _fit(axes: Axes, points: Floats) -> None:
+    """Show just the part, whose corners (n, 2) are given."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = MARGIN * (high - low).max()
+    axes.set_xlim(low[0] - margin, high[0] + margin)
+    axes.set_ylim(low[1] - margin, high[1] + margin)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
 
 
 def _greatest(values: Floats) -> float:
@@ -158,7 +202,6 @@ def _painted(
         flat[order],
         np.concatenate([colours, ink, skin])[order],
         np.concatenate([colours, ink, 0 * skin])[order],
-        np.repeat([0.7, 1.2, 0.0], [len(colours), *counts])[order],
     )
 
 
@@ -186,13 +229,13 @@ def _lit(walls: Strips, eye: Eye, scale: Scale | None) -> Floats:
     return np.column_stack([lit, np.ones(len(lit))])
 
 
-def _floor(layer: Layer, eye: Eye) -> Patch:
-    """The base of the part."""
+def _floor(layer: Layer, height: float, eye: Eye) -> Patch:
+    """The base of the part: the contours of its first layer, at a height, mm."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
     rings = [
-        eye.seen(np.column_stack([ring, np.full(len(ring), layer.z)]))[0]
+        eye.seen(np.column_stack([ring, np.full(len(ring), height)]))[0]
         for ring in layer.section.rings
     ]
     outlines = [Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings]

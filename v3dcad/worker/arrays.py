@@ -37,14 +37,19 @@ class Files:
         return self._array(sites)
 
     def lines(self, points: Floats, pairs: NDArray[Any], layer: NDArray[Any]) -> str:
-        """Write lines as `.npz`, not compressed."""
-        path = self.new(".npz")
-        np.savez(
-            path,
-            points=points.astype(np.float32),
-            pairs=pairs.astype(np.int32),
-            layer=layer.astype(np.int32),
+        """Write lines as `.npz`: points float32, the rest int32."""
+        return self.named(
+            {
+                "points": points.astype(np.float32),
+                "pairs": pairs.astype(np.int32),
+                "layer": layer.astype(np.int32),
+            }
         )
+
+    def named(self, arrays: dict[str, Any]) -> str:
+        """Write arrays by their names as `.npz`, not compressed."""
+        path = self.new(".npz")
+        np.savez(path, **arrays)
         return str(path)
 
     def _array(self, array: NDArray[Any]) -> str:

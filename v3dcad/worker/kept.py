@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from v3dcad.model import Floats, Part
 from v3dcad.parts import BREP, STL, part_from
 from v3dcad.pipeline import SectionedPart, Structure, fill_sectioned, sectioned
-from v3dcad.settings import FillSettings, SectionSettings
+from v3dcad.settings import FillSettings, PrintSettings, SectionSettings
 from v3dcad.watched import Watched
 
 T = TypeVar("T")
@@ -44,29 +44,39 @@ class Kept:
         self._whole = Latest()
 
     def structure(
-        self, source: str, settings: FillSettings, sites: Floats | None, stage: Stage
+        self,
+        source: str,
+        settings: FillSettings,
+        sites: Floats | None,
+        printing: PrintSettings,
+        stage: Stage,
     ) -> Structure:
         """The structure of the part in a file, whose layers are computed when asked for."""
-        asked = _key(source, settings, sites)
+        asked = _key(source, settings, sites, printing)
 
         def make() -> Structure:
             found = self._sectioned(source, settings, stage)
-            return fill_sectioned(found, settings, sites, stage)
+            return fill_sectioned(found, settings, sites, stage, printing)
 
         return self._structure.get(asked, make)
 
     def whole(
-        self, source: str, settings: FillSettings, sites: Floats | None, stage: Stage
+        self,
+        source: str,
+        settings: FillSettings,
+        sites: Floats | None,
+        printing: PrintSettings,
+        stage: Stage,
     ) -> Structure:
         """The same with all layers in memory."""
 
         def make() -> Structure:
-            structure = self.structure(source, settings, sites, stage)
+            structure = self.structure(source, settings, sites, printing, stage)
             layers = structure.layers
             watched = Watched(layers, lambda done: stage("filling", done, len(layers)))
             return replace(structure, layers=tuple(watched))
 
-        return self._whole.get(_key(source, settings, sites), make)
+        return self._whole.get(_key(source, settings, sites, printing), make)
 
     def _sectioned(self, source: str, settings: FillSettings, stage: Stage) -> SectionedPart:
         cut_by = (*(getattr(settings, name) for name in SectionSettings.__dataclass_fields__),)
@@ -79,8 +89,11 @@ class Kept:
         return self._sections.get((source, cut_by, settings.section_above(), settings.lofts), make)
 
 
-def _key(source: str, settings: FillSettings, sites: Floats | None) -> object:
-    return source, settings, None if sites is None else (sites.shape, sites.tobytes())
+def _key(
+    source: str, settings: FillSettings, sites: Floats | None, printing: PrintSettings
+) -> object:
+    places = None if sites is None else (sites.shape, sites.tobytes())
+    return source, settings, places, printing if settings.wish() else None
 
 
 def _read(source: str, stage: Stage) -> Part:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from v3dcad.errors import SettingError, V3dcadError
 from v3dcad.exports import export, kind_of, print_lines, written_line
+from v3dcad.formats.gcode.machine_profile import print_settings
 from v3dcad.model import Floats
 from v3dcad.pipeline import Structure
 from v3dcad.recipes import given_sites, known_settings, part_of, read_ont, sites_of
@@ -79,9 +80,7 @@ class Work:
         printing = self._printing()
         structure = self._whole()
         told = self._watched(structure, "checking what holds up each layer").report(printing)
-        weighed = self._watched(structure, "weighing").properties(
-            printing.wall_width(), printing.filament_density
-        )
+        self._stage("weighing", 0, 0)
         foam = told.get("foam")
         sizes = [f"cell sizes: {graded_line(told['graded'])}"] if "graded" in told else []
         return {
@@ -91,8 +90,22 @@ class Work:
             "steepest_wall": foam and foam["steepest_wall"]["tilt_deg"],
             "wall_length": told["wall_length_mm"],
             "certificate": certificate_line(told["overhang"]),
-            "mass": weighed.mass,
+            "mass": structure.plastic(printing).mass,
             "findings": [*structure.findings(), *sizes],
+        }
+
+    def overhang(self) -> dict[str, Any]:
+        """What of the printed beads has nothing under it, as arrays and in words."""
+        printing = self._printing()
+        watched = self._watched(self._whole(), "checking what holds up each bead")
+        found = watched.printed_overhang(printing)
+        return {
+            "kinds": list(found.kinds),
+            "arrays": self._files.named(
+                {name: getattr(found, name) for name in found.__dataclass_fields__}
+            ),
+            "certificate": found.line(),
+            "findings": found.findings(),
         }
 
     def layer(self) -> dict[str, Any]:
@@ -148,8 +161,7 @@ class Work:
         lines: list[str] = []
         if kind == "gcode":
             printed = structure.write_gcode(file, printing)
-            told = {"time_s": printed.totals.time_s, "filament_mm": printed.totals.filament_mm}
-            told["mass_g"] = printed.totals.mass_g
+            told = {**asdict(printed.totals), "spans": printed.overhang.line()}
             lines += [f"{name}: {said}" for name, said in print_lines(told).items()]
             lines += printed.findings
         else:
@@ -178,11 +190,12 @@ class Work:
             },
         }
 
-    def _asked(self) -> tuple[str, FillSettings, Floats | None, Stage]:
+    def _asked(self) -> tuple[str, FillSettings, Floats | None, PrintSettings, Stage]:
         path = self._optional("sites", str)
         sites = None if path is None else given_sites(read_array(path))
-        values = chosen(FillSettings, self._needed("settings", dict))
-        return self._needed("source", str), known_settings(values, sites), sites, self._stage
+        settings = known_settings(chosen(FillSettings, self._needed("settings", dict)), sites)
+        printing = print_settings(self._optional("sized_for", str) or None, {})
+        return self._needed("source", str), settings, sites, printing, self._stage
 
     def _structure(self) -> Structure:
         return self._kept.structure(*self._asked())
@@ -212,10 +225,9 @@ class Work:
 
     def _printing(self) -> PrintSettings:
         """Print settings: a profile's, unless the request says otherwise."""
-        from v3dcad.formats.gcode.machine_profile import print_settings
-
         values = chosen(PrintSettings, self._optional("print", dict) or {})
-        return print_settings(self._optional("profile", str) or None, values)
+        profile = self._optional("profile", str) or self._optional("sized_for", str)
+        return print_settings(profile or None, values)
 
     def _sizes(self) -> ExportSettings:
         """How a structure is exported, as far as the request says: a form, and its sizes."""
@@ -248,6 +260,7 @@ DO: dict[str, Callable[[Work], dict[str, Any]]] = {
     "hello": Work.hello,
     "fill": Work.fill,
     "report": Work.report,
+    "overhang": Work.overhang,
     "layer": Work.layer,
     "brep": Work.brep,
     "export": Work.export,

@@ -18,6 +18,7 @@ SIZES = {
     "solid": ("thickness", "skin"),
     "struts": ("diameter",),
     "beams": ("diameter",),
+    "project": ("thickness",),
 }
 """By form: the settings that it has to be told."""
 FORM_OF = {".step": "step_as", ".3mf": "threemf_as", ".stl": "stl_as"}

@@ -31,6 +31,8 @@ SHAPE_UP_TO = 20_000
 FRESH = "up to date"
 
 SETTINGS = "Voronoi fill"
+OFF = {"off", None}
+"""What settings say that ask for nothing; None where the method has them not."""
 
 
 class VoronoiFill:
@@ -224,6 +226,10 @@ def add_fixed(obj: Any) -> None:
         if name not in obj.PropertiesList:
             obj.addProperty(kind, name, "Base", text)
         obj.setEditorMode(name, 2)
+    if "SizedFor" not in obj.PropertiesList:
+        text = tr("Machine profile that a density or a mass goes by; empty for the default.")
+        obj.addProperty("App::PropertyString", "SizedFor", SETTINGS, text)
+        obj.SizedFor = PREFERENCES.GetString("Profile", "")
     obj.FillVersion = VERSION
     properties.add_results(obj)
 
@@ -255,7 +261,9 @@ def request_of(obj: Any) -> tuple[str, dict[str, Any]]:
     if obj.SitesFile:
         request["sites"] = obj.SitesFile
         sites = str(os.path.getsize(obj.SitesFile))
-    made = json.dumps([Path(source).name, settings, sites], sort_keys=True)
+    request["sized_for"] = obj.SizedFor
+    sized = [obj.SizedFor] if {settings.get("density"), settings.get("mass")} - OFF else []
+    made = json.dumps([Path(source).name, settings, sites, *sized], sort_keys=True)
     # Files are named after what they hold; their folder is another one in each session.
     return made.replace(json.dumps(f"{worker.folder}{os.sep}")[1:-1], ""), request
 
@@ -291,7 +299,7 @@ def set_report(obj: Any, report: Answer) -> None:
     obj.CellSizeMade = report.get("cell_size") or 0
     obj.SteepestWall = report.get("steepest_wall") or 0
     obj.WallLength = report.get("wall_length") or 0
-    obj.Mass = report.get("mass") or 0
+    obj.MassMade = report.get("mass") or 0
     obj.Certificate = report.get("certificate") or ""
     obj.Findings = list(report.get("findings") or ())
 

@@ -72,7 +72,8 @@ class Field:
             else:
                 box = Number()
                 box.setRange(least, most)
-                box.setSingleStep(0.1 if self.declared["unit"] == "mm" else 1)
+                share = most <= 1
+                box.setSingleStep(0.01 if share else 0.1 if self.declared["unit"] == "mm" else 1)
             unit = self.declared["unit"]
             box.setSuffix(f" {unit}" if unit else "")
             box.valueChanged.connect(lambda _: changed())

@@ -34,7 +34,7 @@ RESULTS = (
     ("Length", "CellSizeMade", "Size of the cells as made."),
     ("Angle", "SteepestWall", "Tilt of the steepest wall from the vertical."),
     ("Length", "WallLength", "Length of the walls in all layers."),
-    ("Float", "Mass", "Mass as printed, in grams."),
+    ("Float", "MassMade", "Mass as printed, in grams."),
     ("String", "Certificate", "How every layer rests on the one below."),
     ("StringList", "Findings", "What should be known of how the part was read."),
     ("String", "Checksum", "The check sum by which the structure is known; .ont files carry it."),

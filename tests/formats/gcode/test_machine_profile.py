@@ -16,6 +16,7 @@ from v3dcad.toolpath.beads import trace
 
 def test_profiles_that_come_along() -> None:
     assert profile_names() == [
+        "bambu-p1",
         "ender3v2",
         "generic-klipper",
         "generic-marlin",
@@ -64,11 +65,11 @@ def test_the_thesis_printer_has_its_table() -> None:
 def test_the_users_own_file(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text(
-        'bead_width = 1\nroute = "trails"\narcs = true\nperimeters = 2\n', encoding="utf-8"
+        'bead_width = 1\nseam = "rear"\narcs = true\nperimeters = 2\n', encoding="utf-8"
     )
     assert read_profile(str(file)) == {
         "bead_width": 1.0,
-        "route": "trails",
+        "seam": "rear",
         "arcs": True,
         "perimeters": 2,
     }
@@ -87,7 +88,7 @@ def test_the_users_own_file(tmp_path: Path) -> None:
         (b"perimeters = true", "perimeters = True: give a whole number"),
         (b"flow = -5", r"flow: flow -5.*at least 1 %"),
         (b"flow = inf", "give a finite number"),
-        (b'route = "spiral"', "route: route spiral: give"),
+        (b'seam = "spiral"', "seam: seam spiral: give"),
         (b'bed = "wide"', "write two lengths"),
         (b"flow = 1\n# \xff", "line 2: not UTF-8"),
         (b"#" * 1_000_001, "larger than 1 MB"),
@@ -102,7 +103,7 @@ def test_bad_content(tmp_path: Path, content: bytes, message: str) -> None:
 
 
 def test_no_such_profile() -> None:
-    with pytest.raises(FormatError, match=r"ender4: cannot be read .*or one of ender3v2"):
+    with pytest.raises(FormatError, match=r"ender4: cannot be read .*or one of bambu-p1, ender3v2"):
         read_profile("ender4")
 
 
@@ -111,7 +112,7 @@ def test_a_profile_reads_back(tmp_path: Path) -> None:
         "bead_width": 0.6,
         "perimeters": 3,
         "arcs": False,
-        "route": "tree",
+        "seam": "rear",
         "bed": "100x100",
         "start_gcode": 'M117 "quoted" \\ back\n"""\nG28\n',
     }

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from v3dcad.errors import FormatError
-from v3dcad.formats.gcode.reader import Summary, read_gcode
+from v3dcad.formats.gcode.reader import MAX_ARC_STEPS, Summary, read_gcode
+from v3dcad.geometry.print_time import move_seconds
 from v3dcad.settings import PrintSettings
 
 
@@ -72,6 +73,19 @@ def test_arcs(read, arc: str, turn: float, top: float | None) -> None:
     assert found.filament_mm == pytest.approx(1)
     if top is not None:
         assert found.greatest[1] == pytest.approx(top, abs=0.02)
+
+
+def test_the_longest_arc_is_read_in_few_steps(read, monkeypatch: pytest.MonkeyPatch) -> None:
+    planned = []
+
+    def counted(steps, *rest):
+        planned.append(len(steps))
+        return move_seconds(steps, *rest)
+
+    monkeypatch.setattr("v3dcad.formats.gcode.reader.move_seconds", counted)
+    found = read("M83\nG1 X1000000 Y0 Z1 F600\nG3 X-1000000 I-1000000 E1\n")
+    assert found.extruded_mm == pytest.approx(math.pi * 1e6, rel=1e-4)
+    assert sum(planned) <= 1 + MAX_ARC_STEPS
 
 
 def test_time_knows_accelerations_and_dwells(read) -> None:

@@ -1,11 +1,8 @@
-"""A browser without a window, and a structure to show in it."""
+"""A structure to show in a browser."""
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -29,17 +26,3 @@ def page_file(structure: v3dcad.Structure, tmp_path_factory: pytest.TempPathFact
     file = tmp_path_factory.mktemp("page") / "page.html"
     structure.write_html(file)
     return file
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    """Chromium as the system has it, drawing in software."""
-    command = shutil.which("chromium") or shutil.which("chromium-browser")
-    if command is None:
-        pytest.skip("needs chromium: apt-get install chromium")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright: .[test]")
-    with sync_api.sync_playwright() as playwright:
-        drawing = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        found = playwright.chromium.launch(executable_path=command, args=drawing)
-        yield found
-        found.close()

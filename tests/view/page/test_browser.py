@@ -18,6 +18,8 @@ from v3dcad.view.targets.declared import TARGETS
 
 pytestmark = pytest.mark.slow
 
+SAMPLE = Path(__file__).parents[3] / "samples" / "pyramid.stl"
+
 FIRST = {
     "target": "full", "form": "walls", "layer": 24, "cell": -1, "neighbour": -1, "part": True,
     "clip": "off", "at": 50, "flip": False, "travels": True, "seams": True, "playing": False,
@@ -173,6 +175,8 @@ def test_a_cell_that_is_not_there_is_told(page: Shown) -> None:
         "There is no cell 99999: click one in the part."
     )
     assert page.state("cell") == -1
+    page.tab.locator("#canvas").click(position={"x": 5, "y": 5})
+    assert page.tab.locator("#message").is_hidden()
 
 
 def test_toolpath_and_layers_go_together(page: Shown) -> None:
@@ -317,3 +321,20 @@ def test_huge_structures_are_thinned_and_say_so(
     shown.set(layer=6)
     assert "Layer 24 of 0 … 24" in shown.tab.locator("#layer-text").text_content()
     shown.close()
+
+
+def test_walls_of_a_layer_reach_from_its_lower_to_its_upper_end(page: Shown) -> None:
+    """Sections lie in the middle of layers of 2 mm: seen from the front, the first stands on 0."""
+    background = page.picture()[5, 5]
+    page.set(layer=0, part=False)
+    page.run("() => v3dcad.stage.look([0, -1, 0])")
+    page.settle()
+    different = np.abs(page.picture() - background).max(axis=2) > 24
+    canvas, footer = (page.tab.locator(one).bounding_box()["y"] for one in ("#canvas", "footer"))
+    rows = np.flatnonzero(different[: int(footer - canvas) - 2].any(axis=1))
+    nearest, farthest = v3dcad.place_on_bed(SAMPLE).bounds[:, 1].tolist()
+    top, bottom = (
+        page.on_screen((0.0, y, z))[1] - canvas for y, z in ((farthest, 2.0), (nearest, 0.0))
+    )
+    assert rows.min() == pytest.approx(top, abs=3)
+    assert rows.max() == pytest.approx(bottom, abs=3)

@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 
 from tests.view.page.shown import Shown
+from v3dcad.commands.show_page import serve_file
 from v3dcad.errors import V3dcadError
-from v3dcad.view.page.serving import Live, follow, served
+from v3dcad.view.page import serving
+from v3dcad.view.page.serving import Live, Stamp, follow, served, stamp
 
 
 class Making:
@@ -43,7 +45,7 @@ def live(file: Path) -> Live:
 @pytest.fixture
 def port(live: Live, file: Path) -> Iterator[int]:
     ended = threading.Event()
-    following = threading.Thread(target=follow, args=(file, live, ended.is_set))
+    following = threading.Thread(target=follow, args=(file, stamp(file), live, ended.is_set))
     following.start()
     with served(live) as address:
         assert address.startswith("http://127.0.0.1:")
@@ -80,6 +82,22 @@ def test_what_cannot_be_shown_is_told_and_the_page_stays(port: int, file: Path) 
     file.write_text("bad", encoding="utf-8")
     assert told(heard) == ("failed", "two --lines")
     assert answer(port, "/").read() == b"1: one"
+
+
+def test_what_is_written_while_the_first_page_is_made_counts(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known: list[Stamp] = []
+    monkeypatch.setattr(serving, "follow", lambda file, made_of, live: known.append(made_of))
+
+    def make(number: int) -> str:
+        file.write_text("written meanwhile", encoding="utf-8")
+        return ""
+
+    before = stamp(file)
+    serve_file(file, make, opens=False)
+    assert known == [before]
+    assert before != stamp(file)
 
 
 def test_only_this_computer_by_its_own_name_is_answered(port: int) -> None:

@@ -58,10 +58,11 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
         filled(settings.start_gcode, "start_gcode", settings, totals).rstrip("\n"),
         "G21",
         "G90",
-        "M82" if settings.extrusion == "absolute" else "M83",
+        "M83" if settings.counts_from_before() else "M82",
         "G92 E0",
         *_prime_line(settings),
         *_acceleration(settings),
+        *_pressure_advance(settings),
         "M107",
         f";LAYER_COUNT:{totals.layers}",
     ]
@@ -160,7 +161,29 @@ def _acceleration(settings: PrintSettings) -> list[str]:
             f"SET_VELOCITY_LIMIT ACCEL={settings.acceleration:g} "
             f"SQUARE_CORNER_VELOCITY={settings.corner_speed:g}"
         ]
-    return [f"M204 P{settings.acceleration:g} T{settings.acceleration:g}"]
+    return [f"M204 P{settings.acceleration:g} T{settings.acceleration_of('travel'):g}"]
+
+
+def acceleration_line(settings: PrintSettings, value: float) -> bytes:
+    """What sets the acceleration of extruding moves, mm/s²; in Klipper that of all."""
+    klipper = settings.flavour == "klipper"
+    return (
+        f"SET_VELOCITY_LIMIT ACCEL={value:g}\n".encode()
+        if klipper
+        else f"M204 P{value:g}\n".encode()
+    )
+
+
+def _pressure_advance(settings: PrintSettings) -> list[str]:
+    value = settings.pressure_advance
+    if isinstance(value, str):
+        return []
+    words = {
+        "marlin": f"M900 K{value:g}",
+        "reprapfirmware": f"M572 D0 S{value:g}",
+        "klipper": f"SET_PRESSURE_ADVANCE ADVANCE={value:g}",
+    }
+    return [words[settings.flavour]]
 
 
 def _thumbnail(png: bytes) -> list[str]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import SettingError
 from v3dcad.formats.gcode.lines import COLUMNS, IJ, XYZ, E, F, Lines
-from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, UNRETRACT, Floats, Ints, Toolpath
+from v3dcad.model import EXTRUDE, FEATURES, RETRACT, TRAVEL, UNRETRACT, Floats, Ints, Toolpath
 from v3dcad.settings import PrintSettings
 
 MAX_EXTRUSION = 10**5
@@ -68,7 +68,7 @@ class MoveWriter:
         self._set_feed(toolpath, last, kind, commands, words, present)
 
         self._position = position[-1:] if len(position) else self._position
-        return Lines(commands, words, present, _comments(toolpath, last, kind)), first
+        return Lines(commands, words, present, self._comments(toolpath, last, kind)), first
 
     def _set_arcs(
         self,
@@ -97,14 +97,14 @@ class MoveWriter:
         self._laid += float(toolpath.volume.sum())
         reached = np.rint(filament * 10**5).astype(np.int64)
         from_here = self._extruded
-        if self.settings.extrusion == "relative":
+        if self.settings.counts_from_before():
             words[:, E] = np.diff(reached, prepend=from_here)
         else:
             words[:, E] = reached - from_here
         self._extruded = int(reached[-1]) if len(reached) else from_here
         pulled = round(self.settings.retraction * 10**5)
         words[kind == RETRACT, E] -= pulled
-        if self.settings.extrusion == "relative":
+        if self.settings.counts_from_before():
             words[kind == UNRETRACT, E] += pulled
         present[:, E] = kind != TRAVEL
         if np.abs(words[:, E]).max(initial=0) >= MAX_EXTRUSION * 10**5:
@@ -134,6 +134,19 @@ class MoveWriter:
         present[moves, F] = np.diff(feed[moves], prepend=self._feed) != 0
         self._feed = int(feed[moves][-1]) if moves.any() else self._feed
 
+    def _comments(self, toolpath: Toolpath, last: Ints, kind: Ints) -> Ints:
+        """(n,) the feature where a line extrudes another than the one before; else 0.
+
+        Where a travel has to be told its acceleration, FEATURES before the first of several.
+        """
+        travels = (kind == TRAVEL) & self.settings.switches_for_travel()
+        moves = np.nonzero((kind == EXTRUDE) | travels)[0]
+        what = np.where(travels, FEATURES, toolpath.feature[last])[moves].astype(np.int64)
+        changed = np.diff(what, prepend=0) != 0
+        comments = np.zeros(len(last), dtype=np.int64)
+        comments[moves[changed]] = what[changed]
+        return comments
+
 
 def _each(count: int) -> Groups:
     return np.arange(count), np.arange(count)
@@ -159,13 +172,3 @@ def _arc_groups(toolpath: Toolpath) -> Groups:
     begins[1:] |= turn[1:] != turn[:-1]
     first = np.nonzero(begins)[0]
     return first, np.concatenate([first[1:], [len(points)]]) - 1
-
-
-def _comments(toolpath: Toolpath, last: Ints, kind: Ints) -> Ints:
-    """(n,) the feature where a line extrudes another than the one before; else 0."""
-    extruding = np.nonzero(kind == EXTRUDE)[0]
-    feature = toolpath.feature[last][extruding].astype(np.int64)
-    changed = np.diff(feature, prepend=0) != 0
-    comments = np.zeros(len(last), dtype=np.int64)
-    comments[extruding[changed]] = feature[changed]
-    return comments

@@ -22,6 +22,8 @@ LIMIT = re.compile(r"\b(ACCEL|SQUARE_CORNER_VELOCITY)\s*=\s*([\d.]+)", re.I)
 MAX_LINE_CHARACTERS = 4096
 ARC_STEP = 1.0
 """mm of the straight steps that an arc's motion is planned in."""
+MAX_ARC_STEPS = 360
+"""Steps of one arc: in a longer one they are longer, so that no line takes long to read."""
 INCH = 25.4
 MOVES_PER_PLAN = 50_000
 """Moves planned at a time."""
@@ -76,6 +78,8 @@ class _Reader:
         # NaN is a coordinate not yet known: what it takes to get there does not count.
         self.position = [math.nan, math.nan, math.nan]
         self.feed = settings.travel_speed
+        self.acceleration = settings.acceleration
+        self.travel_acceleration = settings.acceleration_of("travel")
         self.unit = 1.0
         self.absolute = self.absolute_e = True
         self.e = 0.0
@@ -89,7 +93,7 @@ class _Reader:
         self.height = math.nan
         self.least = [math.inf] * 3
         self.greatest = [-math.inf] * 3
-        self.pending: list[tuple[float, float, float, float, float, float]] = []
+        self.pending: list[tuple[float, ...]] = []
 
     def take(self, line: str, number: int) -> None:
         """Execute one line."""
@@ -113,7 +117,8 @@ class _Reader:
                 self._flush()
                 self.seconds += words.get("S", 0.0) + words.get("P", 0.0) / 1000
             elif name == "M204":
-                self._limit({"ACCEL": words.get("P", words.get("S", 0.0))})
+                both = words.get("S", 0.0)
+                self._accelerate(words.get("P", both), words.get("T", both))
             else:
                 self._move(name, words)
         elif name in ("G20", "G21"):
@@ -170,11 +175,18 @@ class _Reader:
             if axis in words:
                 self.position[k] = words[axis] * self.unit
 
+    def _accelerate(self, printing: float, travelling: float) -> None:
+        """Take accelerations, mm/s²; one that makes no sense changes nothing."""
+        if 0 < printing <= 1_000_000:
+            self.acceleration = printing
+        if 0 < travelling <= 1_000_000:
+            self.travel_acceleration = travelling
+
     def _limit(self, limits: dict[str, float]) -> None:
-        self._flush()
-        if 0 < limits.get("ACCEL", 0.0) <= 1_000_000:
-            self.settings = replace(self.settings, acceleration=limits["ACCEL"])
+        both = limits.get("ACCEL", 0.0)
+        self._accelerate(both, both)
         if 0 <= limits.get("SQUARE_CORNER_VELOCITY", -1.0) <= 2000:
+            self._flush()
             self.settings = replace(self.settings, corner_speed=limits["SQUARE_CORNER_VELOCITY"])
 
     def _move(self, name: str, words: dict[str, float]) -> None:
@@ -201,7 +213,9 @@ class _Reader:
     def _step(self, here: list[float], there: list[float], fed: float) -> None:
         x, y, z = (0.0 if math.isnan(b - a) else b - a for a, b in zip(here, there, strict=True))
         length = math.sqrt(x * x + y * y + z * z)
-        self.pending.append((x, y, z, length, 0.0 if length else abs(fed), self.feed))
+        still = 0.0 if length else abs(fed)
+        acceleration = self.acceleration if fed > 0 and length > 0 else self.travel_acceleration
+        self.pending.append((x, y, z, length, still, self.feed, acceleration))
         if len(self.pending) >= MOVES_PER_PLAN:
             self._flush()
         if fed > 0 and length > 0:
@@ -218,8 +232,11 @@ class _Reader:
     def _flush(self) -> None:
         if self.pending:
             moves = np.array(self.pending)
-            steps, length, still, speed = moves[:, :3], moves[:, 3], moves[:, 4], moves[:, 5]
-            self.seconds += float(move_seconds(steps, length, still, speed, self.settings).sum())
+            steps, (length, still, speed, acceleration) = moves[:, :3], moves[:, 3:].T
+            corner = self.settings.corner_speed
+            self.seconds += float(
+                move_seconds(steps, length, still, speed, acceleration, corner).sum()
+            )
             self.pending = []
 
 
@@ -244,7 +261,7 @@ def _arc(
     turned = (math.atan2(dy - j, dx - i) - first) % (2 * math.pi)
     # An arc that ends where it starts is a whole circle.
     sweep = turned - 2 * math.pi if clockwise else turned or 2 * math.pi
-    count = min(max(1, math.ceil(abs(sweep) * radius / ARC_STEP)), 100_000)
+    count = min(max(1, math.ceil(abs(sweep) * radius / ARC_STEP)), MAX_ARC_STEPS)
     points = [start]
     for number in range(1, count):
         turn = first + sweep * number / count

@@ -14,10 +14,10 @@ from typing import IO, TextIO
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode.blocks import Totals, ending, heading
+from v3dcad.formats.gcode.blocks import Totals, acceleration_line, ending, heading
 from v3dcad.formats.gcode.lines import rendered
 from v3dcad.formats.gcode.moves import MoveWriter, origin
-from v3dcad.geometry.print_time import step_seconds
+from v3dcad.geometry.print_time import feature_accelerations, step_seconds
 from v3dcad.model import (
     BRIDGE,
     BRIM,
@@ -133,7 +133,7 @@ def _write_body(
 
 def _opening(toolpath: Toolpath, settings: PrintSettings, power: int, blowing: int) -> bytes:
     lines = [f";LAYER:{toolpath.layer[0]}"]
-    if settings.extrusion == "absolute":
+    if not settings.counts_from_before():
         lines.append("G92 E0")
     if power != blowing:
         lines.append(f"M106 S{power}")
@@ -143,19 +143,27 @@ def _opening(toolpath: Toolpath, settings: PrintSettings, power: int, blowing: i
 def _comments(toolpath: Toolpath, settings: PrintSettings, power: int) -> tuple[list[bytes], int]:
     """What is written before the lines of each feature, and the fan's power at a layer's end.
 
-    The fan blows with `power`, 0 to 255, but on bridges.
+    The last is what is written before a travel. The fan blows with `power`, 0 to 255, but on
+    bridges; accelerations are told where they are not all the same.
     """
+    values = [*feature_accelerations(settings).tolist(), settings.acceleration_of("travel")]
+    steady = len({*values[:FEATURES]}) == 1 and not settings.switches_for_travel()
+    told = [b"" if steady else acceleration_line(settings, value) for value in values]
     comments = [COMMENTS.get(feature, b"") for feature in range(FEATURES)]
     extruded = toolpath.feature[toolpath.kind == EXTRUDE]
     over_air = round(settings.bridge_fan * 2.55)
-    if over_air == power or BRIDGE not in extruded:
-        return comments, power
-    powers = [over_air if feature == BRIDGE else power for feature in range(FEATURES)]
-    told = [
-        comment + f"M106 S{blown}\n".encode("ascii") if comment else comment
-        for comment, blown in zip(comments, powers, strict=True)
+    if over_air != power and BRIDGE in extruded:
+        powers = [over_air if feature == BRIDGE else power for feature in range(FEATURES)]
+        comments = [
+            comment + f"M106 S{blown}\n".encode("ascii") if comment else comment
+            for comment, blown in zip(comments, powers, strict=True)
+        ]
+        power = powers[int(extruded[-1])]
+    found = [
+        comment + line if comment else comment
+        for comment, line in zip(comments, told[:-1], strict=True)
     ]
-    return told, powers[int(extruded[-1])]
+    return [*found, told[-1]], power
 
 
 def _fan(settings: PrintSettings, number: int) -> int:

@@ -7,8 +7,10 @@ it minutes, and it rounds coordinates to single precision.
 
 from __future__ import annotations
 
+import lzma
 import posixpath
 import zipfile
+import zlib
 from collections import Counter
 from pathlib import Path
 from typing import IO, NamedTuple
@@ -35,6 +37,12 @@ PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 BEAMS = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
 SLICES = "{http://schemas.microsoft.com/3dmanufacturing/slice/2015/07}slicestackid"
 MODEL = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+
+CANNOT_UNPACK = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, OSError, EOFError, NotImplementedError,
+    RuntimeError,
+)  # fmt: skip
+"""What `zipfile` raises for archives that are cut off, damaged, encrypted or packed unusually."""
 
 MILLIMETRES = {
     "micron": 0.001,
@@ -91,7 +99,7 @@ def read_threemf(path: Path) -> tuple[Mesh, list[str]]:
             for item in build.model(root).items:
                 build.add(item, "")
             scale = MILLIMETRES[build.model(root).unit]
-    except (zipfile.BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError) as error:
+    except CANNOT_UNPACK as error:
         message = f"not a whole 3MF file ({error}); export it again"
         raise FormatError(message, path=str(path)) from error
     except (ElementTree.ParseError, KeyError, ValueError, OverflowError) as error:

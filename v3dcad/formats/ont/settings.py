@@ -16,6 +16,9 @@ IN_OWN_SECTIONS = ("offset", "layer_height")
 ALWAYS = ("method", "cell_size", "stretch", "heights", "max_overhang", "random_seed")
 """Settings that are written even where they are the default."""
 
+NEVER = ("density", "mass")
+"""Settings that stand for a cell size, which the print settings have a say in: it is written."""
+
 UNSAID = {"heights": "bottom"}
 """What files of a foam mean that do not say: settings that came later than format 2."""
 
@@ -52,6 +55,8 @@ def settings_from(
                 f"the setting {name[:40]!r} is unknown to this v3dcad; update it, since the "
                 "structure depends on it"
             )
+        if name in NEVER:
+            raise field.error(f"{name} stands for a cell size: the file must say that instead")
         chosen[name] = _value(field, hints[name])
         known = declared(FillSettings, name)
         if known.fields and isinstance(chosen[name], str) and chosen[name] not in known.words:

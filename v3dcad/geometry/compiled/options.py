@@ -1,7 +1,8 @@
 """How functions are compiled: a decorator, and the options that go with what a function does.
 
 Signatures come from annotations (`signatures.py`), so that a function is compiled, or taken from
-numba's cache, when its module is loaded.
+numba's cache, when its module is loaded. One that only compiled code calls has to wait until such
+code is compiled: where all comes from the cache, it is in its callers already, and is not loaded.
 """
 
 from __future__ import annotations
@@ -48,7 +49,25 @@ def compiled(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Compile an annotated function by numba, with options of this module."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        if "no_cpython_wrapper" in options:
+            return _when_called(function, options)
         made: Callable[P, R] = njit(signature_of(function), **options)(function)
         return made
 
     return decorate
+
+
+def _when_called(function: Callable[P, R], options: Options) -> Callable[P, R]:
+    """A function that is compiled, for its one signature, when a caller is."""
+    made: Any = njit(**options)(function)
+    template_for = made.get_call_template
+
+    def call_template(arguments: Any, named: Any) -> Any:
+        if not made.overloads:
+            made.compile(signature_of(function))
+            made.disable_compile()
+        return template_for(arguments, named)
+
+    made.get_call_template = call_template
+    called: Callable[P, R] = made
+    return called

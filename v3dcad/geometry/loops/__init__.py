@@ -5,6 +5,7 @@ power_cells  the convex cells of weighted sites, drawn in
 segment_bins segments in a grid of squares: which are near each other
 region       convex cells cut by an area's contours
 facing       where two loops face each other
+reach        which stretches of segments lie far from all others
 coverage     what room each bead has to itself
 joining      loops cut where they face each other, and joined along a spanning forest
 """

@@ -84,7 +84,8 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     """The loops joined as far as they face each other, in one closed curve for each group.
 
     Kruskal's spanning forest: links as wide as the `spacing` (mm) first, then walls that have
-    rested longest (`linked` remembers), then long ones. Along a wall the place goes by the golden
+    rested longest (`linked` remembers), then long ones. A link lies at one end of its wall, where
+    it takes the place of two corners, which costs the least time; at which end goes by the golden
     ratio from layer to layer, so that links seldom lie above each other. Corners nearer than
     `shortest` (mm) to a cut are left out.
     """
@@ -248,6 +249,7 @@ def _choose(
     latest = np.full(len(length), -1)
     earlier = np.full(len(cuts), -1)
     room = ROOM * spacing
+    end = 0.0 if turn < 0.5 else 1.0
     for k in order:
         one, other = loops[k, 0], loops[k, 1]
         if _root(parent, one) == _root(parent, other):
@@ -260,7 +262,7 @@ def _choose(
                 continue
             slide = max(high - low - gap, 0.0)
             for trial in range(5):
-                share = (turn, 1 - turn, 0.5, 0.0, 1.0)[trial]
+                share = (end, 1 - end, turn, 1 - turn, 0.5)[trial]
                 middle = low + gap / 2 + share * slide if slide > 0 else (low + high) / 2
                 start, stop = middle - gap / 2, middle + gap / 2
                 facing_start, facing_stop = beyond[k] - stop, beyond[k] - start

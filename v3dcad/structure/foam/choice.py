@@ -33,9 +33,7 @@ def foam_for(
     """
     if sites is not None:
         return _given(low, high, rows("sites", sites, "x, y, z", "x, y for columns"), settings)
-    columns = settings.stretch == "columns"
-    least = stretch_for(settings.max_overhang)
-    stretch = np.inf if columns else settled_stretch(settings, least, least, "walls")
+    columns, stretch = settings.stretch == "columns", _uniform_stretch(settings)
     size = settings.cell_size
     if size == "auto":
         size = auto_cell_size(high - low)
@@ -51,6 +49,20 @@ def foam_for(
         return foam, replace(settings, cell_size=size)
     foam = uniform_sites(low, high, size, stretch, settings.random_seed)
     return foam, replace(settings, cell_size=size, stretch=stretch)
+
+
+def largest_cell_size(bounds: Floats, settings: FillSettings) -> float:
+    """The largest size, mm, of cells of one size in a part with bounds (2, 3), mm."""
+    width, depth, height = np.ptp(bounds, axis=0).tolist()
+    return float(max(width, depth, height / _uniform_stretch(settings)))
+
+
+def _uniform_stretch(settings: FillSettings) -> float:
+    """The stretch of a foam of cells of one size; columns have no end."""
+    least = stretch_for(settings.max_overhang)
+    if settings.stretch == "columns":
+        return np.inf
+    return settled_stretch(settings, least, least, "walls")
 
 
 def auto_cell_size(size: Floats) -> float:

@@ -27,7 +27,8 @@ from v3dcad.structure.foam.fire import FIRST_MIX, FIRST_STEP, descend, settle_in
 from v3dcad.structure.foam.random import random_share
 
 AROUND = 24
-"""How many of the nearest sites move along with a site at a bad wall."""
+"""How many of the nearest sites move along with a site at a bad wall, and are looked at again where
+a site has moved. `check_all` finds what that misses."""
 
 KICKED = 10
 """How many of the nearest sites are kicked along with a bad one."""
@@ -212,7 +213,7 @@ def solve_cluster(
         for index in range(foam.counts[TOUCHED]):
             site = foam.touched_rows[index]
             check(foam, site)
-            for row in range(foam.lists.shape[1]):
+            for row in range(AROUND):
                 check(foam, foam.lists[site, row])
         find_steep(foam, lean, slack)
     for index in range(foam.counts[CHECKED]):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, WordArray
+from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray, WordArray
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
 from v3dcad.geometry.voronoi.bins import Bins, bin_of, empty_bins, gather, insert
 from v3dcad.model import Floats
 from v3dcad.structure.foam.random import random_share
-from v3dcad.structure.foam.size_grid import SizeGrid, limit_slope, size_at
+from v3dcad.structure.foam.size_grid import FINE, NODES, SizeGrid, limit_slope, side_of, size_at
 
 MISSES = 30_000
 """So many darts in a row that find no room end the throwing."""
@@ -33,6 +35,24 @@ STEEPEST = 0.33
 
 DENSEST = 1.5
 """More sites than this in a cube of the radius keep no distance of a radius: √2 are the most."""
+
+
+class Targets(NamedTuple):
+    """Cubes at which darts are thrown: in a box and so far around it as sites are needed."""
+
+    inside: FloatRows
+    """(2, 3) the box"""
+    pad: float
+    """in radii: how far around it"""
+    corner: FloatArray
+    """(3,) the lowest corner of all cubes"""
+    side: float
+    """of a cube"""
+    counts: IntArray
+    """(3,) how many there are along each axis"""
+    shares: FloatArray
+    """(n,) how many cubes of the radius are in all cubes up to each; `EXPECTED` of them has a
+    site"""
 
 
 @compiled(ENTRY)
@@ -76,25 +96,25 @@ def beyond(place: float, low: float, high: float) -> float:
 
 
 @compiled(ENTRY)
-def add_shares(grid: SizeGrid, inside: FloatRows, pad: float, shares: FloatArray) -> None:
-    """Write what `shares_of` returns."""
-    a, b, c = grid.sizes.shape
+def add_shares(grid: SizeGrid, targets: Targets) -> None:
+    """Write the shares of targets."""
+    inside, counts = targets.inside, targets.counts
     total, cube = 0.0, 0
-    for i in range(a - 1):
-        x = grid.corner[0] + (i + 0.5) * grid.side
-        for j in range(b - 1):
-            y = grid.corner[1] + (j + 0.5) * grid.side
-            for k in range(c - 1):
-                z = grid.corner[2] + (k + 0.5) * grid.side
+    for i in range(counts[0]):
+        x = targets.corner[0] + (i + 0.5) * targets.side
+        for j in range(counts[1]):
+            y = targets.corner[1] + (j + 0.5) * targets.side
+            for k in range(counts[2]):
+                z = targets.corner[2] + (k + 0.5) * targets.side
                 radius = size_at(grid, x, y, z)
-                reach = pad * radius + grid.side
+                reach = targets.pad * radius + targets.side
                 if (
                     beyond(x, inside[0, 0], inside[1, 0]) <= reach
                     and beyond(y, inside[0, 1], inside[1, 1]) <= reach
                     and beyond(z, inside[0, 2], inside[1, 2]) <= reach
                 ):
-                    total += (grid.side / radius) ** 3
-                shares[cube] = total
+                    total += (targets.side / radius) ** 3
+                targets.shares[cube] = total
                 cube += 1
 
 
@@ -102,9 +122,7 @@ def add_shares(grid: SizeGrid, inside: FloatRows, pad: float, shares: FloatArray
 def throw_graded(
     bins: Bins,
     grid: SizeGrid,
-    shares: FloatArray,
-    inside: FloatRows,
-    pad: float,
+    targets: Targets,
     darts: int,
     places: FloatRows,
     radii: FloatArray,
@@ -114,11 +132,12 @@ def throw_graded(
     hit.
 
     Writes places (n, 3) and radii (n,). A dart misses where an earlier one is nearer than the
-    mean of the two radii, and where it is more than `pad` radii outside the box `inside` (2, 3).
+    mean of the two radii, and where it is farther outside than the targets' pad.
     """
     names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
     at, count = np.empty(3), 0
-    b, c = grid.sizes.shape[1] - 1, grid.sizes.shape[2] - 1
+    inside, shares = targets.inside, targets.shares
+    b, c = targets.counts[1], targets.counts[2]
     for _ in range(darts):
         share = random_share(state) * shares[-1]
         low, high = 0, len(shares) - 1
@@ -131,10 +150,10 @@ def throw_graded(
         at[0], at[1], at[2] = low // (b * c), low // c % b, low % c
         far = False
         for axis in range(3):
-            at[axis] = grid.corner[axis] + (at[axis] + random_share(state)) * grid.side
+            at[axis] = targets.corner[axis] + (at[axis] + random_share(state)) * targets.side
         radius = size_at(grid, at[0], at[1], at[2])
         for axis in range(3):
-            far |= beyond(at[axis], inside[0, axis], inside[1, axis]) > pad * radius
+            far |= beyond(at[axis], inside[0, axis], inside[1, axis]) > targets.pad * radius
         if far or count == len(places):
             continue
         free = True
@@ -157,34 +176,33 @@ def radii_for(sizes: SizeGrid) -> SizeGrid:
     return radii
 
 
-def shares_of(grid: SizeGrid, inside: Floats, pad: float) -> Floats:
-    """How many cubes of the radius are in a grid's cubes, up to each of them (n,), in all.
-
-    Only those within about `pad` radii of the box `inside` (2, 3) count. `EXPECTED` of them has a
-    site.
+def targets_of(grid: SizeGrid, inside: Floats, pad: float) -> Targets:
+    """Where darts are thrown for a grid of radii: not farther than about `pad` of them outside the
+    box `inside` (2, 3).
     """
-    shares = np.empty(int(np.prod(np.array(grid.sizes.shape) - 1)))
-    add_shares(grid, inside, pad, shares)
-    return shares
+    around = pad * float(grid.sizes.max())
+    size = np.ptp(inside, axis=0) + 2 * around
+    side = max(side_of(size, NODES), FINE * float(grid.sizes.min()))
+    counts = np.ceil(size / side).astype(np.int64)
+    targets = Targets(inside, pad, inside[0] - around, side, counts, np.empty(int(counts.prod())))
+    add_shares(grid, targets)
+    return targets
 
 
-def graded_disk(
-    grid: SizeGrid, shares: Floats, inside: Floats, pad: float, random_seed: int
-) -> tuple[Floats, Floats]:
-    """Random sites (n, 3) in and around a box (2, 3) and their radii (n,), as a grid has them.
+def graded_disk(grid: SizeGrid, targets: Targets, random_seed: int) -> tuple[Floats, Floats]:
+    """Random sites (n, 3) and their radii (n,), as a grid has them.
 
-    None is nearer to another than the mean of their radii, none more than `pad` of its radii
-    outside the box. As many darts are thrown as `DARTS` says, at random with the density of sites:
-    by `shares_of` the same grid.
+    None is nearer to another than the mean of their radii. As many darts are thrown as `DARTS`
+    says, at random with the density of sites, at the grid's targets.
     """
-    low = grid.corner
-    high = low + grid.side * (np.array(grid.sizes.shape) - 1)
-    cubes = float(shares[-1])
+    low = targets.corner
+    high = low + targets.side * targets.counts
+    cubes = float(targets.shares[-1])
     capacity = int(DENSEST * cubes) + 64
     side = float(np.cbrt(np.prod(high - low) / (EXPECTED * cubes)))
     bins = empty_bins(low, high, side, capacity, periodic=False)
     places, radii = np.empty((capacity, 3)), np.empty(capacity)
     darts = int(DARTS * EXPECTED * cubes) + DARTS
     state = np.array([random_seed], np.uint64)
-    count = throw_graded(bins, grid, shares, inside, pad, darts, places, radii, state)
+    count = throw_graded(bins, grid, targets, darts, places, radii, state)
     return places[:count], radii[:count]

@@ -198,18 +198,21 @@ def add_gradients(foam: Foam, lean: float, slack: float) -> None:
         look_around(foam, site)
         for row in range(foam.lists.shape[1]):
             other = foam.lists[site, row]
-            if other <= site and foam.active[other] and is_listed(foam, site, other):
-                continue
             radius = min(foam.radii[site], foam.radii[other])
             x, y, z = foam.offsets[row, 0], foam.offsets[row, 1], foam.offsets[row, 2]
             across = np.sqrt(x * x + y * y)
             distance = np.sqrt(x * x + y * y + z * z)
             near = DISTANCE * radius
+            violation = (lean * abs(z) - across) / radius
+            if distance >= near and violation <= 0:
+                continue
+            # Most pairs are through by now: to look for them in both lists would take most time.
+            if other <= site and foam.active[other] and is_listed(foam, site, other):
+                continue
             if 0 < distance < near:
                 push = 2 * PUSH * (1 - distance / near) / (near * distance)
                 pull(foam, site, push * x, push * y, push * z)
                 pull(foam, other, -push * x, -push * y, -push * z)
-            violation = (lean * abs(z) - across) / radius
             if violation <= 0:
                 continue
             reach = 4 * max(foam.radii[site], foam.radii[other])

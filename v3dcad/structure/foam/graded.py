@@ -16,7 +16,7 @@ from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.model import Floats, Progress, Value, unheard
 from v3dcad.settings import FillSettings
 from v3dcad.structure.foam.choice import settled_stretch
-from v3dcad.structure.foam.darts import EXPECTED, graded_disk, radii_for, shares_of
+from v3dcad.structure.foam.darts import EXPECTED, graded_disk, radii_for, targets_of
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.random import random_bits
 from v3dcad.structure.foam.relaxing import STAGES, relax_inside
@@ -28,7 +28,7 @@ from v3dcad.structure.foam.uniform import refuse_larger
 TAU, LEAST_TAU = 1.67, 1.41
 """The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
 
-PAD = 3.0
+PAD = 2.0
 """In radii: how far around the box sites are made."""
 
 SLACK = 0.001
@@ -92,7 +92,7 @@ def graded_sites(
     squeezed = np.array([1, 1, 1 / stretch])
     inside = np.array([low, high]) * squeezed
     progress("sampling cell sizes", 0, 1)
-    sizes = sampled(lambda places: field(places / squeezed), inside[0], inside[1], PAD)
+    sizes = sampled(lambda places: field(places / squeezed), *inside)
     graded = _compared(sizes, stretch)
     refuse_larger(graded.made[0], np.ptp(inside, axis=0))
     if settings.strict and graded.finer > 0:
@@ -104,15 +104,15 @@ def graded_sites(
             f"{SLOPE / stretch:.2g} mm a mm upward, or leave --strict out",
         )
     grid = radii_for(sizes.grid)
-    shares = shares_of(grid, inside, PAD)
-    _refuse_many(EXPECTED * float(shares[-1]))
+    targets = targets_of(grid, inside, PAD)
+    _refuse_many(EXPECTED * float(targets.shares[-1]))
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
     for _ in range(TRIES):
         seed = int(random_bits(state)) >> 1
         progress("scattering cells", 0, 1)
         try:
-            places, radii = graded_disk(grid, shares, inside, PAD, seed)
+            places, radii = graded_disk(grid, targets, seed)
             if settings.max_overhang < 90:
                 tau = stretch * float(np.tan(np.radians(settings.max_overhang)))
                 places = _straightened(places, radii, inside, tau, seed, progress)

@@ -38,7 +38,7 @@ Field = Callable[[Floats], Floats]
 
 
 class SizeGrid(NamedTuple):
-    """Sizes at the nodes of a cubic grid, linear between them."""
+    """Sizes at the nodes of a cubic grid, linear between them; beyond, that of the nearest one."""
 
     corner: FloatArray
     """(3,) the lowest node"""
@@ -53,32 +53,25 @@ class Sampled(NamedTuple):
 
     grid: SizeGrid
     asked: Floats
-    """(m,) the sizes that were asked for at the nodes in the box"""
+    """(m,) the sizes that were asked for at the nodes"""
     made: Floats
     """(m,) those that are made there: nowhere larger"""
 
 
-def sampled(field: Field, low: Floats, high: Floats, pad: float) -> Sampled:
-    """A field over the box low … high (3,) and `pad` of its sizes around it, nowhere steeper than
-    `SLOPE`.
-
-    Outside the box a size is that of the nearest place in it, where the field is not asked.
-    """
+def sampled(field: Field, low: Floats, high: Floats) -> Sampled:
+    """A field over the box low … high (3,), nowhere steeper than `SLOPE`."""
     size = high - low
-    some = field(_lattice(_axes(low, high, _side(size, FEW))))
-    around = pad * float(some.max())
-    side = max(_side(size + 2 * around, NODES), FINE * float(some.min()))
+    some = field(_lattice(_axes(low, high, side_of(size, FEW))))
+    side = max(side_of(size, NODES), FINE * float(some.min()))
     axes = _axes(low, high, side)
     asked = field(_lattice(axes)).reshape([len(axis) for axis in axes])
-    beyond = int(np.ceil(around / side))
-    grid = SizeGrid(low - beyond * side, side, np.pad(asked, beyond, mode="edge"))
+    grid = SizeGrid(low, side, asked.copy())
     limit_slope(grid, SLOPE)
-    within = slice(beyond, -beyond)
-    return Sampled(grid, asked.ravel(), grid.sizes[within, within, within].ravel())
+    return Sampled(grid, asked.ravel(), grid.sizes.ravel())
 
 
-def _side(size: Floats, nodes: int) -> float:
-    """The side of cubes of which about so many fill a box."""
+def side_of(size: Floats, nodes: int) -> float:
+    """The side of cubes of which about so many fill a box of a size (3,)."""
     return float(max(np.cbrt(size.prod() / nodes), size.max() / nodes))
 
 
@@ -97,7 +90,7 @@ def _lattice(axes: list[Floats]) -> Floats:
 
 @compiled(INLINED)
 def size_at(grid: SizeGrid, x: float, y: float, z: float) -> float:
-    """The size at a place; beyond the grid, that of the nearest place in it."""
+    """The size at a place."""
     shape = grid.sizes.shape
     a = min(max((x - grid.corner[0]) / grid.side, 0.0), shape[0] - 1.0)
     b = min(max((y - grid.corner[1]) / grid.side, 0.0), shape[1] - 1.0)

@@ -26,7 +26,7 @@ MOST_SEGMENTS = 1_000_000
 def page(
     title: str,
     layers: Sequence[Layer],
-    layer_height: float,
+    span: tuple[float, float],
     mesh: Mesh,
     facts: Mapping[str, str],
     toolpaths: Iterable[Toolpath] = (),
@@ -38,12 +38,14 @@ def page(
 ) -> str:
     """A structure as one HTML file that needs nothing else, in bed coordinates.
 
-    `mesh` is the part's surface, `facts` what is told of the structure, by name. The toolpath, one
+    `span` is how high a layer is and where it begins (`FillSettings.layer_span`), `mesh` the part's
+    surface, `facts` what is told of the structure, by name. The toolpath, one
     for each layer, was traced with the settings `printing`. Goes through the layers twice. Where
     they or their toolpaths have more than `most` segments, only every so many layers are shown,
     evenly, and the page says so. `first` is what it shows when it is opened;
     `live` the number of a page that is served, and hears of later ones.
     """
+    layer_height, base = span
     every, volumes = _told(layers, layer_height)
     motions = _motions(toolpaths, printing or PrintSettings())
     edges, steps = sum(one.edges() for one in every), sum(len(one.points) for one in motions)
@@ -62,7 +64,7 @@ def page(
         "facts": [*facts.items(), ("cells", f"{np.count_nonzero(volumes)}")],
         "note": _thinned(step, len(every), max(edges, steps)),
         "bounds": bounds.tolist(),
-        "rise": layer_height * step,
+        "span": [base, base + layer_height * step],
         "last": len(every) - 1,
         "first": first.values(len(every), step, "layer" in TARGETS[first.target].asks),
         "steepest": _steepest(arrays),

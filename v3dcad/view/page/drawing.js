@@ -4,7 +4,7 @@ import { neighbours, outline } from "./cells.js";
 import { CellFills, sizes } from "./fills.js";
 import { Part } from "./part.js";
 import { segments, Strokes } from "./strokes.js";
-import { Toolpath } from "./toolpath.js";
+import { after, Toolpath } from "./toolpath.js";
 import { tree } from "./tree.js";
 
 const ONE_LAYER = new Set(["layer", "cell", "neighbours", "neighbour", "tree", "sizes"]);
@@ -22,18 +22,18 @@ const LEGENDS = {
   full: ["wall", "contour"],
   overhang: ["contour"],
   layer: ["wall", "contour"],
-  sizes: ["context"],
-  cell: ["cell", "context"],
-  neighbours: ["cell", "neighbour", "context"],
-  neighbour: ["cell", "neighbour", "context"],
-  tree: ["tree", "context"],
+  sizes: [],
+  cell: ["cell"],
+  neighbours: ["cell", "neighbour"],
+  neighbour: ["cell", "neighbour"],
+  tree: ["tree"],
   cut: ["wall", "contour"],
   toolpath: ["bead", "perimeter", "travel", "seam"],
 };
 
-// The roles that are drawn, each in the colour of the same name.
+// The roles that are drawn, each in the colour of the same name; context speaks for itself.
 export function roles({ target, cell, travels, seams }) {
-  if (IN_SPACE.has(target) && cell >= 0) return ["cell", "context"];
+  if (IN_SPACE.has(target) && cell >= 0) return ["cell"];
   const left = new Set([...(travels ? [] : ["travel"]), ...(seams ? [] : ["seam"])]);
   if (cell < 0) left.add("cell").add("neighbour");
   return LEGENDS[target].filter((role) => !left.has(role));
@@ -41,9 +41,10 @@ export function roles({ target, cell, travels, seams }) {
 
 export class Drawing {
   #cell = -1; // whose walls `solid` holds
+  #heights = []; // of these
 
   constructor(stage, structure, told) {
-    const { arrays, rise } = structure;
+    const { arrays, rise, span } = structure;
     this.stage = stage;
     this.structure = structure;
     this.colours = { ...told.colours };
@@ -55,14 +56,15 @@ export class Drawing {
     const shares = Uint8Array.from(leans, (lean) => (255 * Math.abs(lean)) / (told.steepest || 1));
     const walls = segments(structure.ends("walls"), { shares, leans });
     const empty = () => segments(NOTHING);
-    this.strips = new Strokes(walls, { strip: true, rise });
+    this.strips = new Strokes(walls, { strip: span });
     this.walls = new Strokes(walls, { width: 1.3, nearer: 2e-5 });
     this.contours = new Strokes(segments(structure.ends("contours")), { width: 1.3, nearer: 2e-5 });
-    this.struts = new Strokes(segments(structure.ends("struts")), { width: 2.2 });
-    this.ridges = new Strokes(this.struts.mesh.geometry, { width: 1, opacity: 0.35, nearer: 1e-5 });
+    const struts = segments(structure.ends("struts"));
+    this.struts = new Strokes(struts, { width: 2.2 });
+    this.ridges = new Strokes(struts, { width: 1, opacity: 0.35, nearer: 1e-5 });
     this.cutWalls = new Strokes(segments(arrays.cut_walls), { width: 1.6 });
     this.cutContours = new Strokes(segments(arrays.cut_contours), { width: 1.6 });
-    this.solid = new Strokes(empty(), { strip: true, rise, nearer: 1e-5 });
+    this.solid = new Strokes(empty(), { strip: span, nearer: 1e-5 });
     this.beside = new Strokes(empty(), { width: 2.4, nearer: 6e-5 });
     this.chosen = new Strokes(empty(), { width: 3, nearer: 1e-4 });
     const strokes = [
@@ -94,27 +96,25 @@ export class Drawing {
   // Walls as strips or lines, contours, struts: up to the layer, or of the layer alone.
   #drawLayers({ target, layer, form, cell }) {
     const { structure, colours } = this;
-    const half = structure.rise / 2;
-    const here = structure.arrays.z[layer] - half;
-    const top = structure.arrays.z[layer] + half;
     const alone = ONE_LAYER.has(target);
     const strips = target === "overhang" || (target === "full" && form === "walls");
     const lines = alone || (target === "full" && form === "layers");
     const struts = target === "full" && form === "struts";
-    const low = lines && !alone ? -Infinity : here; // over strips and struts, only the uppermost
     const quiet = target !== "layer" && (alone || cell >= 0);
-    const end = (group, last) => (last < 0 ? 0 : structure.rows(group, last)[1]);
+    const upTo = (group, last) => [0, last < 0 ? 0 : structure.rows(group, last)[1]];
+    const own = (group) => // over strips and struts only the uppermost lines
+      lines && !alone ? upTo(group, layer) : structure.rows(group, layer);
 
-    this.strips.show(strips).first(end("walls", layer)).between(-Infinity, top);
+    this.strips.show(strips).rows(...upTo("walls", layer));
     this.strips.paint(...(target === "overhang" ? colours.ramp : [colours.wall]));
     this.strips.fade(cell >= 0 ? GHOST : 1);
-    this.walls.show(strips || lines).between(low, top);
+    this.walls.show(strips || lines).rows(...own("walls"));
     this.walls.paint(quiet ? colours.context : colours.wall);
-    this.contours.show(strips || lines || struts).first(end("contours", layer)).between(low, top);
+    this.contours.show(strips || lines || struts).rows(...own("contours"));
     this.contours.paint(quiet ? colours.context : colours.contour);
-    this.struts.show(struts).first(end("struts", layer - 1)).between(-Infinity, top);
+    this.struts.show(struts).rows(...upTo("struts", layer - 1));
     this.struts.paint(colours.wall);
-    this.ridges.show(strips && cell < 0).between(-Infinity, top).paint("#000000");
+    this.ridges.show(strips && cell < 0).rows(...upTo("struts", layer - 1)).paint("#000000");
   }
 
   // The cell that was chosen, in space or on the layer; its neighbours; the spanning tree.
@@ -123,11 +123,13 @@ export class Drawing {
     const around = (site) => (left, right) => left === site || right === site;
     if (cell !== this.#cell) {
       const all = cell < 0 ? [] : Array.from({ length: structure.layers }, (_, k) => k);
-      this.solid.replace(segments(outline(structure, all, around(cell))));
+      const ends = outline(structure, all, around(cell));
+      this.solid.replace(segments(ends));
+      this.#heights = Array.from({ length: ends.length / 6 }, (_, k) => ends[6 * k + 2]);
       this.#cell = cell;
     }
-    const top = structure.arrays.z[layer] + structure.rise / 2;
-    this.solid.show(IN_SPACE.has(target)).between(-Infinity, top).paint(colours.cell);
+    const end = after(this.#heights, structure.arrays.z[layer]);
+    this.solid.show(IN_SPACE.has(target)).rows(0, end).paint(colours.cell);
 
     const chosen = cell < 0 ? NOTHING : outline(structure, [layer], around(cell));
     const beside = new Set(target === "neighbour" ? [neighbour] : []);

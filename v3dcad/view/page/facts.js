@@ -4,14 +4,14 @@ import { areas, neighbours, sitePlace } from "./cells.js";
 
 const round = (value, digits = 4) => String(Number(value.toPrecision(digits)));
 
-// Facts of a cell on a layer as rows of name and text; empty where it has no part of the layer.
+// Facts of a cell as rows of name and text.
 export function factsOf(structure, layer, site) {
   const area = areas(structure, layer).get(site);
   const place = sitePlace(structure, layer, site);
   const height = structure.arrays.site_heights[site];
   const at = place && [...place, height].map((value) => round(value)).join(", ");
   return [
-    ["site", at ? `${at} mm` : `${site}`],
+    ...(at ? [["site", `${at} mm`]] : []), // the layer knows where those of its own cells are
     ["volume", `${round(structure.arrays.volumes[site])} mm³`],
     ["area on this layer", area === undefined ? "none" : `${round(area)} mm²`],
   ];
@@ -28,7 +28,8 @@ export function showCell(card, structure, { cell, layer, target, neighbour }, ch
   ]);
   card.querySelector("dl").replaceChildren(...rows);
   const beside = neighbours(structure, layer, cell);
-  card.querySelector("h3").textContent = `${beside.length} neighbours on this layer`;
+  const many = beside.length === 1 ? "One neighbour" : `${beside.length || "No"} neighbours`;
+  card.querySelector("h3").textContent = `${many} on this layer`;
   const buttons = beside.map((site) => {
     const button = element("button", String(site));
     button.type = "button";

@@ -20,9 +20,9 @@ async function start() {
   const told = JSON.parse(byId("told").textContent);
   const arrays = await unpack(byId("data").textContent, told.table);
   byId("data").remove(); // nobody needs the text again
-  const structure = new Structure(arrays, told.bounds, told.rise);
+  const structure = new Structure(arrays, told.bounds, told.span);
   const [low, high] = told.bounds;
-  const top = Math.max(high[2], arrays.z.at(-1) + told.rise); // of the uppermost walls
+  const top = Math.max(high[2], arrays.z.at(-1) + told.span[1]); // of the uppermost walls
   const drawn = [low, [high[0], high[1], top]];
   const canvas = byId("canvas");
   const stage = new Stage(canvas, told.bounds);
@@ -47,9 +47,9 @@ async function start() {
     state.set({ layer: Math.min(Math.max(state.values.layer + steps, 0), last) });
   const choose = (site) => {
     const cell = structure.arrays.volumes[site] > 0 ? site : -1;
-    tell(cell === site ? "" : `There is no cell ${site}: click one in the part.`);
     const second = state.values.target === "neighbour" && state.values.cell >= 0 && cell >= 0;
     state.set(second ? { neighbour: cell } : { cell, neighbour: -1 });
+    tell(cell === site ? "" : `There is no cell ${site}: click one in the part.`);
   };
   const play = () => state.set({ playing: !state.values.playing });
 
@@ -73,6 +73,7 @@ async function start() {
   onClick(canvas, (x, y) => {
     const found = pick(structure, stage.ray(x, y), shownLayers(state.values), isCut);
     state.set({ cell: found ? found.cell : -1, neighbour: -1 });
+    tell("");
   });
   if (told.live) live.follow(told.live, () => state.values, tell);
   byId("app").dataset.ready = "yes";

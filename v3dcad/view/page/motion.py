@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.print_time import step_seconds
-from v3dcad.model import EXTRUDE, INNER_PERIMETER, PERIMETER, RETRACED, Floats, Ints, Toolpath
+from v3dcad.model import EXTRUDE, INNER_PERIMETER, PERIMETER, Floats, Ints, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.view.page.segments import Arrays, fractions
 
@@ -39,7 +39,6 @@ def motion(toolpath: Toolpath, before: Floats, settings: PrintSettings) -> Motio
     """A layer's toolpath that begins at `before` (3,), mm, its arcs as short straight lines."""
     extruding = toolpath.kind == EXTRUDE
     roles = np.where(extruding, BEAD, TRAVELLED)
-    roles[~extruding & (toolpath.feature == RETRACED)] = UNSEEN
     roles[extruding & np.isin(toolpath.feature, (PERIMETER, INNER_PERIMETER))] = PERIMETER_BEAD
     begins = np.diff(extruding.astype(int), prepend=0) > 0
     roles[begins & (toolpath.feature == PERIMETER)] = SEAM

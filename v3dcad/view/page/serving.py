@@ -24,6 +24,9 @@ PAUSE = 0.4
 HEARTBEAT = 10.0
 """Seconds after which a browser that went away is noticed."""
 
+Stamp = tuple[int, int] | None
+"""When a file was written, and its size; None while it is not there."""
+
 
 class Live:
     """The page as it is now, and what has become of it; pages are numbered from 1."""
@@ -92,22 +95,25 @@ def served(live: Live) -> Iterator[str]:
         server.server_close()
 
 
-def follow(file: Path, live: Live, ended: Callable[[], bool] = lambda: False) -> None:
+def follow(
+    file: Path, made_of: Stamp, live: Live, ended: Callable[[], bool] = lambda: False
+) -> None:
     """Make the page again each time the file was written, until `ended` says so.
 
-    A file that is still being written is waited for.
+    `made_of` is the file's stamp when the page that is shown was begun. A file that is still being
+    written is waited for.
     """
-    known = seen = _stamp(file)
+    known = seen = made_of
     while not ended():
         time.sleep(PAUSE)
-        now = _stamp(file)
+        now = stamp(file)
         still, seen = now == seen, now
         if still and now is not None and now != known:
             known = now
             live.renew()
 
 
-def _stamp(file: Path) -> tuple[int, int] | None:
+def stamp(file: Path) -> Stamp:
     """What changes when a file is written; None while it is not there."""
     try:
         found = file.stat()

@@ -1,5 +1,6 @@
 // Many segments in one draw call: each is a rectangle, either a line some pixels wide, or a strip as
-// high as a layer, which leans as the wall does that it is a piece of. Segments lie in order of height, so that the first so many can be drawn.
+// high as a layer, which leans as the wall does that it is a piece of. Segments lie in order of
+// height, so that those of some layers can be drawn.
 
 import * as THREE from "three";
 
@@ -17,17 +18,17 @@ const LINE = `
   if (from.w < 0.01 || to.w < 0.01) { gl_Position = NOWHERE; return; }
   vec2 along = (to.xy / to.w - from.xy / from.w) * pixels;
   along = along / max(length(along), 1e-6);
-  vec4 end = position.x < 0.5 ? from : to;
-  vec2 aside = vec2(-along.y, along.x) * position.y + along * (position.x * 2.0 - 1.0) * 0.4;
-  place = position.x < 0.5 ? start : stop;
+  vec4 end = corner.x < 0.5 ? from : to;
+  vec2 aside = vec2(-along.y, along.x) * corner.y + along * (corner.x * 2.0 - 1.0) * 0.4;
+  place = corner.x < 0.5 ? start : stop;
   gl_Position = end + vec4(aside * width / pixels * end.w, -nearer * end.w, 0.0);
   light = 1.0;`;
 
 const STRIP = `
   vec2 along = normalize(stop.xy - start.xy + vec2(1e-9, 0.0));
   vec3 upward = vec3(vec2(-along.y, along.x) * tan(radians(lean)), 1.0);
-  place = position.x < 0.5 ? start : stop;
-  if (position.y > 0.0) place += upward * rise;
+  place = corner.x < 0.5 ? start : stop;
+  place += upward * (corner.y > 0.0 ? span.y : span.x);
   vec4 seen = modelViewMatrix * vec4(place, 1.0);
   vec3 normal = normalize(mat3(modelViewMatrix) * cross(vec3(along, 0.0), upward));
   light = 0.45 + 0.55 * abs(dot(normal, normalize(seen.xyz)));
@@ -35,17 +36,23 @@ const STRIP = `
   gl_Position.z -= nearer * gl_Position.w;`;
 
 const vertexShader = (body) => `
-  in vec3 start, stop;
-  in float share, lean;
-  uniform vec2 pixels, heights, depths;
-  uniform float width, rise, nearer;
+  uniform highp sampler2D ends;
+  uniform vec2 pixels, depths, span;
+  uniform float width, nearer;
   out vec3 place;
   out float light, way, haze;
   const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
+  const vec2 CORNERS[6] = vec2[](
+    vec2(0, -1), vec2(1, -1), vec2(1, 1), vec2(0, -1), vec2(1, 1), vec2(0, 1));
   void main() {
-    if (start.z < heights.x || stop.z > heights.y) { gl_Position = NOWHERE; return; }
+    vec2 corner = CORNERS[gl_VertexID % 6];
+    int at = gl_VertexID / 6 * 2, wide = textureSize(ends, 0).x;
+    vec4 first = texelFetch(ends, ivec2(at % wide, at / wide), 0);
+    vec4 second = texelFetch(ends, ivec2(at % wide + 1, at / wide), 0);
+    vec3 start = first.xyz, stop = second.xyz;
+    float lean = second.w;
+    way = first.w;
     ${body}
-    way = share;
     haze = smoothstep(depths.x, depths.y, gl_Position.w);
   }`;
 
@@ -64,32 +71,41 @@ const fragmentShader = `
     colour = vec4(mix(own * light, background, haze * 0.6), opacity);
   }`;
 
+const WIDEST = 1024; // segments in a row of a texture
+
 // `ends`: x, y, z of start and stop, one after the other; `shares`: 0 … 255, the way through the
 // three colours; `leans`: degrees from the vertical, to the left of the way from start to stop.
+// They lie in a texture, two texels each: cards and software draw loose triangles that look their
+// corners up there faster than instances of a rectangle.
 export function segments(ends, { shares, leans } = {}) {
-  const geometry = new THREE.InstancedBufferGeometry();
-  const corners = [0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0];
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
-  geometry.setIndex([0, 1, 2, 0, 2, 3]);
-  const pairs = new THREE.InstancedInterleavedBuffer(ends, 6);
-  geometry.setAttribute("start", new THREE.InterleavedBufferAttribute(pairs, 3, 0));
-  geometry.setAttribute("stop", new THREE.InterleavedBufferAttribute(pairs, 3, 3));
   const count = ends.length / 6;
-  const own = (array, normalized) => new THREE.InstancedBufferAttribute(array, 1, normalized);
-  geometry.setAttribute("share", own(shares ?? new Uint8Array(count), true));
-  geometry.setAttribute("lean", own(leans ?? new Int8Array(count), false));
-  geometry.instanceCount = count;
-  return geometry;
+  const wide = Math.min(Math.max(count, 1), WIDEST);
+  const data = new Float32Array(8 * wide * Math.max(Math.ceil(count / wide), 1));
+  for (let k = 0; k < count; k++) {
+    data.set(ends.subarray(6 * k, 6 * k + 3), 8 * k);
+    data.set(ends.subarray(6 * k + 3, 6 * k + 6), 8 * k + 4);
+    data[8 * k + 3] = (shares?.[k] ?? 0) / 255;
+    data[8 * k + 7] = leans?.[k] ?? 0;
+  }
+  const high = data.length / 8 / wide;
+  const texture = new THREE.DataTexture(data, 2 * wide, high, THREE.RGBAFormat, THREE.FloatType);
+  texture.needsUpdate = true;
+  return { texture, count };
 }
 
 export class Strokes {
-  constructor(geometry, { strip = false, width = 1, rise = 0, opacity = 1, nearer = 0 } = {}) {
+  #shown = true;
+  #empty = true;
+
+  // Lines of a width in pixels; or strips, if `strip` says from where to where above (or below) the
+  // segments they reach, mm.
+  constructor(found, { strip = null, width = 1, opacity = 1, nearer = 0 } = {}) {
     this.uniforms = {
       ...shared,
+      ends: { value: null },
       colours: { value: [new THREE.Color(), new THREE.Color(), new THREE.Color()] },
-      heights: { value: new THREE.Vector2(-Infinity, Infinity) },
       width: { value: width },
-      rise: { value: rise },
+      span: { value: new THREE.Vector2(...(strip ?? [0, 0])) },
       opacity: { value: opacity },
       nearer: { value: nearer },
     };
@@ -101,9 +117,9 @@ export class Strokes {
       side: THREE.DoubleSide,
       forceSinglePass: true,
     });
-    this.mesh = new THREE.Mesh(geometry, material);
+    this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
     this.mesh.frustumCulled = false; // its places are known to the graphics card only
-    this.fade(opacity);
+    this.replace(found).fade(opacity);
   }
 
   // How dense it is: 1 hides what lies behind.
@@ -120,27 +136,23 @@ export class Strokes {
     return this;
   }
 
-  // Draw only what lies between two heights, mm.
-  between(low, high) {
-    this.uniforms.heights.value.set(low, high);
-    return this;
-  }
-
-  // Draw only the first so many; what comes later costs nothing.
-  first(count) {
-    this.mesh.geometry.instanceCount = count;
-    return this;
+  // Draw only some of the segments, from `first` to before `end`; the others cost nothing.
+  rows(first, end) {
+    this.mesh.geometry.setDrawRange(6 * first, 6 * (end - first));
+    this.#empty = end <= first;
+    return this.show(this.#shown);
   }
 
   show(shown) {
-    this.mesh.visible = shown;
+    this.#shown = shown;
+    this.mesh.visible = shown && !this.#empty; // what is empty needs no draw call
     return this;
   }
 
-  // Draw other segments from now on.
-  replace(geometry) {
-    this.mesh.geometry.dispose();
-    this.mesh.geometry = geometry;
-    return this;
+  // Draw other segments from now on, all of them.
+  replace({ texture, count }) {
+    this.uniforms.ends.value?.dispose();
+    this.uniforms.ends.value = texture;
+    return this.rows(0, count);
   }
 }

@@ -3,11 +3,13 @@
 const GREATEST = 65535; // what the far end of the part is, in fractions
 
 export class Structure {
-  // `bounds`: the part's least and greatest x, y, z; `rise`: from one layer to the next, mm.
-  constructor(arrays, bounds, rise) {
+  // `bounds`: the part's least and greatest x, y, z; `span`: from where to where a layer's walls
+  // reach, mm above its section.
+  constructor(arrays, bounds, span) {
     this.arrays = arrays;
     this.bounds = bounds;
-    this.rise = rise;
+    this.span = span;
+    this.rise = span[1] - span[0]; // from one layer to the next
     this.layers = arrays.z.length;
     this.places = scaled(arrays.vertices, bounds);
   }

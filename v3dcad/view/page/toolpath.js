@@ -13,7 +13,6 @@ export class Toolpath {
     const { path, path_box: box, path_roles: roles, path_ticks: ticks, path_from: from } = arrays;
     this.points = placed(path, box);
     this.from = from;
-    this.rise = rise;
     this.seconds = summed(ticks);
     this.total = this.seconds.at(-1);
     const ways = [...roles.keys()].filter((k) => roles[k] !== UNSEEN);
@@ -24,7 +23,7 @@ export class Toolpath {
     const beads = segments(gathered(this.points, this.beads), { shares });
     const travels = segments(gathered(this.points, this.travels));
     const seams = segments(upright(this.points, this.seams, rise));
-    this.sides = new Strokes(beads, { strip: true, rise: -rise });
+    this.sides = new Strokes(beads, { strip: [-rise, 0] });
     this.tops = new Strokes(beads, { width: 2, nearer: 2e-5 }); // of the layer being printed
     this.ways = new Strokes(travels, { width: 1, opacity: 0.6, nearer: 2e-5 });
     this.marks = new Strokes(seams, { width: 6, nearer: 6e-5 });
@@ -37,12 +36,13 @@ export class Toolpath {
     const reached = Math.max(after(this.seconds, time), 1) - 1; // the last point that was reached
     const at = this.points.subarray(3 * reached, 3 * reached + 3);
     const beads = after(this.beads, reached);
-    const level = beads ? this.points[3 * this.beads[beads - 1] + 2] : 0;
+    const layer = this.layerAt(time);
+    const below = Math.min(after(this.beads, this.from[layer]), beads);
     const paint = [colours.bead, colours.bead, colours.perimeter];
-    this.sides.show(shown).first(beads).paint(...paint);
-    this.tops.show(shown).between(level - this.rise / 2, Infinity).paint(...paint);
-    this.ways.show(shown && travels).first(after(this.travels, reached)).paint(colours.travel);
-    this.marks.show(shown && seams).first(after(this.seams, reached)).paint(colours.seam);
+    this.sides.show(shown).rows(0, beads).paint(...paint);
+    this.tops.show(shown).rows(below, beads).paint(...paint);
+    this.ways.show(shown && travels).rows(0, after(this.travels, reached)).paint(colours.travel);
+    this.marks.show(shown && seams).rows(0, after(this.seams, reached)).paint(colours.seam);
     this.nozzle.visible = shown && time < this.total;
     this.nozzle.position.set(...at);
     this.nozzle.material.color.set(colours.travel);
@@ -68,7 +68,7 @@ function nozzle(size) {
 }
 
 // How many of ascending numbers are at most `limit`.
-function after(numbers, limit) {
+export function after(numbers, limit) {
   let [low, high] = [0, numbers.length];
   while (low < high) {
     const middle = (low + high) >> 1;

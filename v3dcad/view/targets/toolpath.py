@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.model import EXTRUDE, INNER_PERIMETER, PERIMETER, RETRACED, Floats, Layer, Toolpath
+from v3dcad.model import EXTRUDE, INNER_PERIMETER, PERIMETER, Floats, Layer, Toolpath
 from v3dcad.view.targets.shown import Labels, Lines, Marks, Preview
 
 
@@ -33,7 +33,7 @@ def _shown(layer: Layer, one: Toolpath, before: Floats) -> Preview:
     lengths = np.linalg.norm(points[1:] - points[:-1], axis=1)
     extruding = kind == EXTRUDE
     around = extruding & np.isin(feature, (PERIMETER, INNER_PERIMETER))
-    travel = ~extruding & (feature != RETRACED) & (lengths > 0)
+    travel = ~extruding & (lengths > 0)
     begins = extruding & (feature == PERIMETER) & ~np.append(False, extruding[:-1])
     return Preview(
         target="toolpath",

@@ -80,7 +80,7 @@ class Features(unittest.TestCase):
         edges = fill.Edges
         self.assertTrue(self.box.Shape.BoundBox.isInside(fill.Shape.BoundBox.Center))
         self.assertAlmostEqual(fill.Shape.BoundBox.XMin, 5, places=4)
-        self.assertGreater(fill.Mass, 0)
+        self.assertGreater(fill.MassMade, 0)
         self.assertTrue(fill.Certificate)
         self.box.Height = 8
         self.doc.recompute()

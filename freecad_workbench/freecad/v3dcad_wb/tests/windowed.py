@@ -191,7 +191,7 @@ def check_fill_by_command() -> None:
     assert fill.Status == FRESH, fill.Status
     count = fill.Shape.countElement("Edge")
     assert count == fill.Edges, (count, fill.Edges)
-    assert fill.Mass > 0
+    assert fill.MassMade > 0
     assert fill.Certificate
     assert fill.Checksum
     box, whole = fill.Shape.optimalBoundingBox(False), part.Shape.optimalBoundingBox(False)

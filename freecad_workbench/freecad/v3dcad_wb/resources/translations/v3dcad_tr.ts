@@ -276,6 +276,10 @@
       <translation>henüz hesaplanmadı</translation>
     </message>
     <message>
+      <source>Machine profile that a density or a mass goes by; empty for the default.</source>
+      <translation>Yoğunluğun veya kütlenin hesaplandığı makine profili; boşsa varsayılan.</translation>
+    </message>
+    <message>
       <source>What is filled.</source>
       <translation>Doldurulan parça.</translation>
     </message>
@@ -776,6 +780,14 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Hücre boyutu</translation>
     </message>
     <message>
+      <source>Density</source>
+      <translation>Yoğunluk</translation>
+    </message>
+    <message>
+      <source>Mass</source>
+      <translation>Kütle</translation>
+    </message>
+    <message>
       <source>Roof size</source>
       <translation>Çatı altı açıklığı</translation>
     </message>
@@ -868,12 +880,20 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>otomatik</translation>
     </message>
     <message>
-      <source>Largest span of a skin over cells: under roofs no cell is wider. The .ont file then lists all sites.</source>
-      <translation>Hücreler üzerindeki bir kabuğun en büyük açıklığı: çatıların altında hiçbir hücre daha geniş olmaz. .ont dosyası o zaman tüm noktaları listeler.</translation>
+      <source>Share of the part's volume that is printed: walls, perimeters and skins as the print settings make them. Cells get the size that it takes. 0.15 or 15%.</source>
+      <translation>Parça hacminin basılan payı: baskı ayarlarının yaptığı duvarlar, çevreler ve dolu katmanlarla. Hücreler bunun gerektirdiği boyutu alır. 0.15 veya 15%.</translation>
     </message>
     <message>
       <source>off</source>
       <translation>kapalı</translation>
+    </message>
+    <message>
+      <source>What the printed part weighs, brim and skirt left out. Cells get the size that it takes.</source>
+      <translation>Basılan parçanın kütlesi, kenarlık ve etek hariç. Hücreler bunun gerektirdiği boyutu alır.</translation>
+    </message>
+    <message>
+      <source>Largest span of a skin over cells: under roofs no cell is wider. The .ont file then lists all sites.</source>
+      <translation>Hücreler üzerindeki bir kabuğun en büyük açıklığı: çatıların altında hiçbir hücre daha geniş olmaz. .ont dosyası o zaman tüm noktaları listeler.</translation>
     </message>
     <message>
       <source>How many times as tall as wide cells are, about; auto takes the least that --max-overhang allows. columns makes upright walls.</source>
@@ -940,12 +960,20 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>kirişler</translation>
     </message>
     <message>
+      <source>project</source>
+      <translation>dilimleyici projesi</translation>
+    </message>
+    <message>
       <source>walls</source>
       <translation>duvarlar</translation>
     </message>
     <message>
       <source>Machine</source>
       <translation>Makine</translation>
+    </message>
+    <message>
+      <source>Nozzle diameter</source>
+      <translation>Nozul çapı</translation>
     </message>
     <message>
       <source>Bead width</source>
@@ -988,8 +1016,8 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Çevre sırası</translation>
     </message>
     <message>
-      <source>Route</source>
-      <translation>Yol</translation>
+      <source>Wall beads</source>
+      <translation>Duvar başına şerit</translation>
     </message>
     <message>
       <source>Seam</source>
@@ -1056,6 +1084,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>En düşük hız</translation>
     </message>
     <message>
+      <source>Most speed</source>
+      <translation>En büyük hız</translation>
+    </message>
+    <message>
       <source>Most flow</source>
       <translation>En büyük akış</translation>
     </message>
@@ -1068,6 +1100,22 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>İvme</translation>
     </message>
     <message>
+      <source>Perimeter acceleration</source>
+      <translation>Çevre ivmesi</translation>
+    </message>
+    <message>
+      <source>Solid acceleration</source>
+      <translation>Dolu katman ivmesi</translation>
+    </message>
+    <message>
+      <source>Bridge acceleration</source>
+      <translation>Köprü ivmesi</translation>
+    </message>
+    <message>
+      <source>Travel acceleration</source>
+      <translation>Boş hareket ivmesi</translation>
+    </message>
+    <message>
       <source>Corner speed</source>
       <translation>Köşe hızı</translation>
     </message>
@@ -1078,6 +1126,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Filament density</source>
       <translation>Filament yoğunluğu</translation>
+    </message>
+    <message>
+      <source>Pressure advance</source>
+      <translation>Basınç avansı</translation>
     </message>
     <message>
       <source>Retraction</source>
@@ -1122,6 +1174,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
     <message>
       <source>Fan full layer</source>
       <translation>Fanın tam açıldığı katman</translation>
+    </message>
+    <message>
+      <source>Fail over</source>
+      <translation>En uzun askı</translation>
     </message>
     <message>
       <source>Flavour</source>

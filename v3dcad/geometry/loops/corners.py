@@ -1,0 +1,46 @@
+"""Corners at links cut off, so that the nozzle need not slow down so much at them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from v3dcad.geometry.loops.joining import LINK, Curves
+
+BEND = math.radians(20)
+"""A smaller turn is no corner: it is taken at full speed."""
+MOST_SHARE = 0.3
+"""The share of a step that a cut takes: so half a turn round a link is half an octagon."""
+
+
+def links_rounded(curves: Curves, shortest: float) -> Curves:
+    """The curves with two corners of half the turn in place of each corner at a link.
+
+    A printer takes a corner of 45° twice as fast as one of 90°. Corners between walls stay: what is
+    cut off there would leave the walls bare. So do those where the piece put in would be shorter
+    than `shortest` (mm).
+    """
+    points, owner = curves.points, curves.owner
+    if not len(points):
+        return curves
+    after = np.arange(1, len(points) + 1)
+    after[curves.first[1:] - 1] = curves.first[:-1]
+    before = np.empty_like(after)
+    before[after] = np.arange(len(points))
+
+    leaving = points[after] - points
+    length = np.hypot(*leaving.T)
+    leaving /= np.maximum(length, 1e-12)[:, None]
+    arriving = leaving[before]
+    turn = np.arccos(np.clip((arriving * leaving).sum(axis=1), -1, 1))
+    away = MOST_SHARE * np.minimum(length, length[before])
+    cut = ((owner == LINK) | (owner[before] == LINK)) & (turn > BEND)
+    cut &= 2 * away * np.cos(turn / 2) >= shortest
+
+    copies = 1 + cut
+    ends = np.cumsum(copies)
+    found = np.repeat(points, copies, axis=0)
+    found[ends[cut] - 2] -= away[cut, None] * arriving[cut]
+    found[ends[cut] - 1] += away[cut, None] * leaving[cut]
+    return Curves(found, np.concatenate([[0], ends])[curves.first], np.repeat(owner, copies))

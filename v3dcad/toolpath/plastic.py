@@ -1,0 +1,139 @@
+"""How much plastic the layers of a part take, before all of them are traced.
+
+Perimeters, skins and cells have a room each in a section. How full beads make it hardly differs
+from layer to layer: so rooms are measured on all layers, and beads are laid on some of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from v3dcad.geometry.loops.joining import Linked
+from v3dcad.geometry.section_area import section_area
+from v3dcad.model import (
+    BRIDGE,
+    CELLS,
+    FEATURES,
+    INNER_PERIMETER,
+    PERIMETER,
+    SOLID,
+    Floats,
+    Ints,
+    Layer,
+    Section,
+)
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bead import bead_areas, bead_spacing
+from v3dcad.toolpath.bridging import resting
+from v3dcad.toolpath.first_layer import cuts
+from v3dcad.toolpath.plan import Plan, divided
+from v3dcad.toolpath.seam import Seams
+from v3dcad.toolpath.skins import NOTHING, shells
+from v3dcad.toolpath.stroke import capped
+
+SAMPLED = 24
+"""Layers on which beads are laid, for each kind of room."""
+
+KINDS = ((PERIMETER, INNER_PERIMETER), (SOLID, BRIDGE), (CELLS,))
+"""The features that fill each kind of room. Brim and skirt are not the part's."""
+
+
+class Plastic(NamedTuple):
+    """What a part takes, mm³."""
+
+    perimeters: float
+    skins: float
+    cells: float
+
+    def total(self) -> float:
+        """All of it, mm³."""
+        return sum(self)
+
+
+class _Printed(NamedTuple):
+    """A layer that is printed: its index, height (mm), and what of it must be solid."""
+
+    layer: int
+    height: float
+    skin: shapely.Geometry
+    skin_flow: float
+    """of the layer's flow: less than 1 where bridges among its skins get less"""
+
+
+class Rooms:
+    """The rooms that a part's sections have for perimeters, skins and cells."""
+
+    def __init__(
+        self, sections: Iterable[Section], layer_height: float, settings: PrintSettings
+    ) -> None:
+        """Measure sections, ascending in z, of layers of a height (mm)."""
+        self.settings = settings
+        self.volume = 0.0
+        """mm³ of the part"""
+        self._printed: list[_Printed] = []
+        rooms = [np.zeros((0, len(KINDS)))]
+        kept = list(sections)
+        solid, before = NOTHING, 0.0
+        found = shells(cuts(kept, settings), *settings.solid_layers())
+        for index, (section, (cut, skin)) in enumerate(zip(kept, found, strict=True)):
+            self.volume += float(cut.area.area) * layer_height
+            if not cut.printed:
+                continue
+            first = not self._printed
+            height = settings.first_layer_height if first else section.z - before
+            spacing, before = bead_spacing(settings, height), section.z
+            foam, covered = divided(cut.area, skin, settings, spacing)
+            rest, over = (covered, NOTHING) if first else resting(covered, solid, spacing)
+            flow = settings.first_layer_flow if first else settings.flow
+            whole = rest.area + over.area
+            skins = rest.area + over.area * settings.bridge_flow / flow
+            walls = cut.area.area - covered.area - foam.area
+            rooms.append(np.array([[walls, skins, foam.area]]) * height * flow / 100)
+            solid = shapely.difference(cut.area, foam)
+            skin_flow = skins / whole if whole else 1.0
+            self._printed.append(_Printed(index, height, skin, skin_flow))
+        self._rooms = np.concatenate(rooms)
+        self._some = [_spread(room) for room in self._rooms.T]
+
+    def whole(self) -> Plastic:
+        """What would fill all rooms, mm³."""
+        return Plastic(*self._rooms.sum(axis=0).tolist())
+
+    def plastic(self, layers: Sequence[Layer]) -> Plastic:
+        """What layers with these sections take, mm³, from beads laid on some of them."""
+        laid = np.zeros_like(self._rooms)
+        for number in np.unique(np.concatenate(self._some)).tolist():
+            laid[number] = self._laid(layers[self._printed[number].layer], number)
+        found = [
+            rooms.sum() * float(np.mean(volume[some] / rooms[some])) if len(some) else 0.0
+            for rooms, volume, some in zip(self._rooms.T, laid.T, self._some, strict=True)
+        ]
+        return Plastic(*found)
+
+    def _laid(self, layer: Layer, number: int) -> list[float]:
+        """What one of the printed layers takes, mm³ for each kind of room."""
+        settings, printed, first = self.settings, self._printed[number], number == 0
+        spacing = bead_spacing(settings, printed.height)
+        area, seams = section_area(layer.section), Seams(settings.seam)
+        plan = Plan(
+            layer, area, printed.skin, settings, first, spacing, Linked(), seams, None, False
+        )
+        lengths = np.zeros(FEATURES)
+        for stroke in capped(list(plan.strokes(np.zeros(2))), spacing):
+            np.add.at(lengths, stroke.feature, stroke.laid)
+        volumes = lengths * bead_areas(settings, printed.height, first=first)
+        volumes[SOLID] *= printed.skin_flow
+        return [float(volumes[list(features)].sum()) for features in KINDS]
+
+
+def _spread(amounts: Floats) -> Ints:
+    """Places in a row of amounts (k,) at which equal shares of their sum have their middles."""
+    passed = np.cumsum(amounts)
+    if not passed[-1:].any():
+        return np.empty(0, np.int64)
+    shares = (np.arange(SAMPLED) + 0.5) / SAMPLED * passed[-1]
+    return np.asarray(np.searchsorted(passed, shares), np.int64)
