@@ -294,9 +294,9 @@ def test_struts_cut_to_the_part_as_a_mesh(structure: Structure, tmp_path: Path) 
 
 def test_triangles_have_thick_walls_too(samples: Path, tmp_path: Path) -> None:
     pyramid = v3dcad.fill(samples / "pyramid.stl", cell_size=20.0, layer_height=5.0)
-    mesh = pyramid.solid_mesh(2.0)
+    mesh = pyramid.solid_mesh(2.0, skin=1.0)
     assert 0 < mesh_volume(mesh) < mesh_volume(pyramid.part.mesh())
-    pyramid.write_3mf(tmp_path / "a.3mf", "solid", thickness=2.0)
+    pyramid.write_3mf(tmp_path / "a.3mf", "solid", thickness=2.0, skin=1.0)
     with pytest.raises(KernelError, match="made of triangles"):
         pyramid.cells()
 

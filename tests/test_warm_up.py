@@ -74,11 +74,12 @@ def said_on_a_terminal(cache: Path, *words: str) -> str:
     return said
 
 
-@pytest.mark.parametrize("command", [["warm-up"], ["fill", "no.step", "--out", "out"]])
-def test_compiling_is_announced_on_a_terminal(command: list[str], tmp_path: Path) -> None:
-    said = said_on_a_terminal(tmp_path, *command)
+@pytest.mark.parametrize("command", ["warm-up", "fill"])
+def test_compiling_is_announced_on_a_terminal(command: str, samples: Path, tmp_path: Path) -> None:
+    files = [samples / "pyramid.stl", "--ont", tmp_path / "a.ont"] if command == "fill" else []
+    said = said_on_a_terminal(tmp_path, command, *map(str, files))
     assert f"{NOTICE}\r\n" in said
-    if command[0] == "fill":
+    if command == "fill":
         assert said.index("loading the engine") < said.index(NOTICE), "a bar from the first moment"
 
 

@@ -175,15 +175,8 @@ class Forms(Protocol):
         Of triangles too. Warns where it falls into several bodies.
         """
         from v3dcad.geometry.mesh.bodies import parts_of
-        from v3dcad.geometry.mesh.boolean import subtracted
-        from v3dcad.geometry.mesh.erosion import eroded
-        from v3dcad.geometry.solid.convex_cells import hollows
 
-        low, high = self.part.bounds
-        cells = hollows(self._thick(thickness), thickness, low - MARGIN, high + MARGIN)
-        body = self.part.mesh()
-        core = eroded(body, skin) if skin else None
-        mesh = subtracted(body, [cell.mesh() for cell in cells], core)
+        mesh = self._thick_mesh(thickness, skin)
         self._tell_apart(parts_of(mesh))
         return self._at_source(mesh)
 
@@ -270,8 +263,7 @@ class Forms(Protocol):
         with written_beside(Path(path)) as beside:
             if form == "project":
                 check_form(form, sizes, {form: ("thickness",)})
-                foam = self.solid_mesh(**sizes)
-                foam = Mesh(self.placement.to_bed(foam.vertices), foam.triangles)
+                foam = self._thick_mesh(**sizes)
                 height = self.settings.layer_height
                 write_project(beside, self.part.mesh(), foam, self.part.name, height)
                 return
@@ -351,6 +343,18 @@ class Forms(Protocol):
     def _thick(self, thickness: float) -> Facets:
         """The walls of which something may lie in the part when they are that thick, mm."""
         return self.facets(MARGIN + above_zero("thickness", thickness) / 2)
+
+    def _thick_mesh(self, thickness: float, skin: float = 0.0) -> Mesh:
+        """The part with walls of a thickness, and a skin if asked, on the bed."""
+        from v3dcad.geometry.mesh.boolean import subtracted
+        from v3dcad.geometry.mesh.erosion import eroded
+        from v3dcad.geometry.solid.convex_cells import hollows
+
+        low, high = self.part.bounds
+        cells = hollows(self._thick(thickness), thickness, low - MARGIN, high + MARGIN)
+        body = self.part.mesh()
+        core = eroded(body, skin) if skin else None
+        return subtracted(body, [cell.mesh() for cell in cells], core)
 
     def _solid(self) -> Any:
         """The part's solids where the source lies, those that meet united."""

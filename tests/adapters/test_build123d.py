@@ -78,15 +78,15 @@ def test_locations_and_mode_are_respected() -> None:
 
 
 def test_an_operation_ignores_locations_and_works_on_what_is_built() -> None:
-    alone = VoronoiFill(Box(10, 10, 6), thickness=0.5, **SETTINGS)
+    alone = VoronoiFill(Box(10, 10, 6), thickness=0.5, skin=1, **SETTINGS)
     with BuildPart() as block, Locations((20, 0, 0)):
         Box(10, 10, 6)
-        VoronoiFill(thickness=0.5, **SETTINGS)
+        VoronoiFill(thickness=0.5, skin=1, **SETTINGS)
     assert tuple(block.part.bounding_box().min) == pytest.approx((15, -5, -3), abs=1e-6)
     assert block.part.volume == pytest.approx(alone.volume, rel=1e-6)
     with BuildPart(Plane.XZ.offset(7)) as turned:
         Box(10, 10, 6)
-        VoronoiFill(thickness=0.5, **SETTINGS)
+        VoronoiFill(thickness=0.5, skin=1, **SETTINGS)
     assert tuple(turned.part.bounding_box().min) == pytest.approx((-5, -10, -5), abs=1e-6)
 
 

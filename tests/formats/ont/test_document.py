@@ -235,8 +235,8 @@ def test_defaults_of_format_2() -> None:
     assert (usual.chord_tolerance, usual.base_clearance) == (0.005, 0)
     pinned = {"sites", "insertion", "interpolate", "boundary_tolerance", "weight_step"}
     assert usual.strict is False
-    assert usual.roof_size == "off"
-    pinned |= {"chord_tolerance", "base_clearance", "strict", "roof_size"}
+    assert (usual.roof_size, usual.density, usual.mass) == ("off", "off", "off")
+    pinned |= {"chord_tolerance", "base_clearance", "strict", "roof_size", "density", "mass"}
     written = {*ont_settings.ALWAYS, *ont_settings.IN_OWN_SECTIONS}
     known = set(FillSettings.__dataclass_fields__)
     assert known == pinned | written, "pin the new setting's default here"

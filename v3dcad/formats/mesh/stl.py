@@ -85,8 +85,10 @@ def normals(corners: Floats) -> Floats:
 
 
 def binary_stl(mesh: Mesh) -> bytes:
-    """A mesh as binary STL (coordinates rounded to float32, as the format has it)."""
+    """A mesh as binary STL: coordinates rounded to float32, without triangles that vanish so."""
     corners = mesh.vertices[mesh.triangles]
+    rounded = corners.astype(np.float32)
+    corners = corners[(rounded != np.roll(rounded, 1, axis=1)).any(axis=2).all(axis=1)]
     records = np.zeros(len(corners), RECORD)
     records["normal"] = normals(corners)
     records["corners"] = corners

@@ -532,7 +532,7 @@ def choose_to_print(name: str, printer: str) -> Any:
     document = new_document(name)
     box = document.addObject("Part::Box", "Box")
     document.recompute()
-    settings = {"layer_height": 1.0, "cell_size": 5.0}
+    settings = {"layer_height": 0.4, "cell_size": 5.0}
     fill = make_voronoi_fill(document, box, settings)
     until(lambda: fill.Status == FRESH and idle())
     fit()
