@@ -380,7 +380,8 @@ def test_signals_leave_nothing_behind(
     while child.poll() is None and not (out.is_dir() and any(out.iterdir())):
         time.sleep(0.05)
     child.send_signal(getattr(signal, number))
-    _, said = child.communicate(timeout=30)
+    # A signal waits until the function that is being compiled is done.
+    _, said = child.communicate(timeout=200)
     assert child.returncode == code, said
     assert "Traceback" not in said
     assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"
