@@ -371,9 +371,15 @@ def test_signals_leave_nothing_behind(
     import signal
     import time
 
+    # pytest-xdist and nohup ignore signals, and children inherit that.
+    usual = "default_int_handler" if number == "SIGINT" else "SIG_DFL"
+    program = (
+        f"import signal; signal.signal(signal.{number}, signal.{usual}); "
+        "from v3dcad.cli import main; main()"
+    )
     child = subprocess.Popen(
-        [sys.executable, "-c", "from v3dcad.cli import main; main()", "fill",
-         str(samples / "pyramid.stl"), "--out", str(tmp_path / "out"), "--layer-height", "0.01"],
+        [sys.executable, "-c", program, "fill", str(samples / "pyramid.stl"),
+         "--out", str(tmp_path / "out"), "--layer-height", "0.01"],
         stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8", cwd=samples.parent,
     )  # fmt: skip
     out = tmp_path / "out"
