@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from v3dcad.errors import SettingError
+from v3dcad.model import BRIDGE, CELLS
 from v3dcad.settings import FillSettings, PrintSettings, option
-from v3dcad.toolpath.bead import bead_area
+from v3dcad.toolpath.bead import bead_areas
 
 NARROWEST, WIDEST = 0.6, 2.5
 """Times the nozzle's diameter: beads that it can lay."""
@@ -67,9 +68,8 @@ def _check_speeds(heights: dict[str, float], printing: PrintSettings) -> None:
     for name in SPEEDS:
         first = name == "first_layer_speed"
         height = heights["first_layer_height" if first else "layer_height"]
-        flow = printing.bridge_flow if name == "bridge_speed" else printing.flow
-        flow = printing.first_layer_flow if first else flow
-        area = bead_area(printing.bead_width, height, printing.bead_shape) * flow / 100
+        feature = BRIDGE if name == "bridge_speed" else CELLS
+        area = float(bead_areas(printing, height, first=first)[feature])
         speed = getattr(printing, name)
         if speed * area > printing.most_flow * (1 + 1e-9):
             raise SettingError(
