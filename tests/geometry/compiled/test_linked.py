@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -58,8 +55,10 @@ def test_callers_hold_its_name_and_not_its_code() -> None:
         assert "too many" not in code
 
 
-def test_a_cached_caller_finds_it_in_another_process(tmp_path: Path) -> None:
-    (tmp_path / "halves.py").write_text(
+def test_a_cached_caller_finds_it_in_another_process(
+    said_twice: Callable[[str, str], list[str]],
+) -> None:
+    source = (
         "from numba import njit\n"
         "from v3dcad.geometry.compiled.linked import linked\n"
         "@linked({'cache': True})\n"
@@ -72,16 +71,4 @@ def test_a_cached_caller_finds_it_in_another_process(tmp_path: Path) -> None:
     show = (
         "import halves; print(halves.quarter(6.0), sum(halves.quarter.stats.cache_hits.values()))"
     )
-    said = [
-        subprocess.run(
-            [sys.executable, "-c", show], capture_output=True, encoding="utf-8", check=True,
-            cwd=tmp_path,
-            env={
-                **os.environ,
-                "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path]),
-                "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
-            },
-        ).stdout
-        for _ in range(2)
-    ]  # fmt: skip
-    assert said == ["1.5 0\n", "1.5 1\n"]
+    assert said_twice(source, show) == ["1.5 0\n", "1.5 1\n"]
