@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from occt import distance_to
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
 from OCP.gp import gp_Pnt
-from occt import distance_to
 
 from v3dcad.geometry.mesh.distance import distances, triangle_tree
 from v3dcad.model import Floats
