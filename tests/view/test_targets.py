@@ -433,7 +433,7 @@ def test_a_cut_shows_where_the_part_begins_and_ends() -> None:
     span = 0.4, -0.1
     for some in (layers, layers[:1]):
         ends = [
-            drawn(layer, ~layer.diagram.inner()) + [0, 0, above]
+            drawn(layer, ~layer.diagram.inner()) + np.array([0, 0, above])
             for layer, above in ((some[0], -0.1), (some[-1], 0.3))
         ]
         shown = preview("cut", some, STILL, span=span)

@@ -55,7 +55,7 @@ def write_source(source: Any, target: Any, folder: Path) -> str:
     """Write the source as `target`'s frame sees it; the path, named after what the file holds.
 
     So the same shape has the same name, and the worker keeps its sections. A shape that was written
-    last is not written again: it is asked for before and after each fill. Raises `WorkerError` where
+    last is not written again, since each fill asks for it several times. Raises `WorkerError` where
     there is nothing to fill.
     """
     if why := why_not(source):
