@@ -101,7 +101,7 @@ MAY_IMPORT = {
         "watched",
         "toolpath",
     },
-    "warm_up": {"formats", "kernel", "parts", "pipeline"},
+    "warm_up": {"errors", "formats", "kernel", "parts", "pipeline"},
     "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
     "__init__": INSIDE

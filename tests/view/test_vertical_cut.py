@@ -122,9 +122,10 @@ def test_contours_end_where_a_tower_does() -> None:
     found = lines_of(cut, cut.contours)
     both, one = (-7.0, -3.0, 3.0, 7.0), (-7.0, -3.0)
     levels = {(0, 1): both, (1, 2): both, (2, 2.5): both, (2.5, 3): one, (3, 4): one}
-    expected = sorted((x, *ends) for ends, places in levels.items() for x in places)
-    drawn = sorted((low[0], low[1], high[1]) for low, high in found.tolist())
-    np.testing.assert_allclose(drawn, expected, atol=1e-9)
+    expected = [[[x, z] for z in ends] for ends, places in levels.items() for x in places]
+    shelf = [[3.0, 2.5], [7.0, 2.5]]
+    drawn = np.array(sorted(found.round(9).tolist()))
+    np.testing.assert_allclose(drawn, sorted([*expected, shelf]), atol=1e-9)
 
 
 def test_beside_the_part_there_is_nothing() -> None:

@@ -118,6 +118,7 @@ def vertical_cut(
             middle = (below.z + here.z) / 2
             _alone(below, drawing, below.z, middle)
             _alone(here, drawing, middle, here.z)
+            _shelves(below, here, drawing, middle)
         below = here
     if first is not None and below is not None:
         _alone(first, drawing, first.z + base, first.z)
@@ -167,6 +168,15 @@ def _alone(one: _Crossings, drawing: _Drawing, low: float, high: float) -> None:
         found = _planes(one, one.cells(begin, end), drawing.y, low)
         if len(found) > 1:
             drawing.fill(found, left, right, low, high)
+
+
+def _shelves(lower: _Crossings, upper: _Crossings, drawing: _Drawing, z: float) -> None:
+    """Draw the sides that face down and up between two layers: where only one of them is."""
+    ends = [{one.at(place, z) for place in one.contours()} for one in (lower, upper)]
+    for left, right in pairwise(sorted(ends[0] | ends[1])):
+        inside = [sum(end <= left for end in side) % 2 for side in ends]
+        if inside[0] != inside[1]:
+            drawing.contours.append((drawing.point(left, z), drawing.point(right, z)))
 
 
 def _planes(
