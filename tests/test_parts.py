@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import v3dcad
 from tests.parts import part_file
 from v3dcad.formats.mesh.stl import binary_stl
-from v3dcad.model import Mesh
+from v3dcad.model import Mesh, size_words
 
 pytestmark = pytest.mark.slow
 
@@ -345,6 +345,12 @@ def test_a_part_of_an_unlikely_size_is_told() -> None:
     assert v3dcad.part_from(Mesh(CUBE.vertices * 3, CUBE.triangles)).findings == ()
     (large,) = v3dcad.part_from(Mesh(CUBE.vertices * 3001, CUBE.triangles)).findings
     assert large == "3001 mm long: in another unit? --scale 0.001 makes it smaller"
+
+
+def test_a_size_is_told_to_a_hundredth_of_a_millimetre() -> None:
+    sides = [44, 40.987654321, 0.001234567]
+    part = v3dcad.part_from(Mesh(CUBE.vertices * sides, CUBE.triangles))
+    assert size_words(part) == "44 × 40.99 × 0.00123457 mm"
 
 
 def test_an_ont_of_a_part_in_inches_makes_the_same_again(tmp_path: Path) -> None:

@@ -161,8 +161,9 @@ def part_words(part: Part) -> str:
 
 
 def size_words(part: Part) -> str:
-    """A part's size in words, such as "60 × 40 × 48 mm"."""
-    return " × ".join(f"{side:.6g}" for side in np.ptp(part.bounds, axis=0)) + " mm"
+    """A part's size in words, such as "60 × 40 × 48 mm"; hundredths are enough above 1 mm."""
+    sides = np.ptp(part.bounds, axis=0).tolist()
+    return " × ".join(f"{round(side, 2) if side >= 1 else side:.6g}" for side in sides) + " mm"
 
 
 class Part(Protocol):

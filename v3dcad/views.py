@@ -73,7 +73,8 @@ class Views(Protocol):
         thesis = self.settings.method == "thesis"
         # Nothing is traced yet.
         toolpaths = trace(self.layers, printing or PrintSettings(), thesis=thesis)
-        return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths)
+        span = self.settings.layer_span()
+        return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths, span)
 
     def picture(
         self,
