@@ -44,7 +44,7 @@ PRINT = (
     *CELLS,
     "v3dcad.toolpath.euler",
     "v3dcad.geometry.loops.loops",
-    "v3dcad.geometry.loops.segment_bins",
+    "v3dcad.geometry.loops.segments",
     "v3dcad.geometry.loops.facing",
     "v3dcad.geometry.loops.power_cells",
     "v3dcad.geometry.loops.region",
