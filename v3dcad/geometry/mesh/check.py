@@ -69,8 +69,8 @@ def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
     if lost.any():
         raise GeometryError(
-            f"the mesh has {counted(int(lost.sum()), 'vertex')} with coordinates that are not finite "
-            f"numbers (the first is vertex {int(np.argmax(lost))})"
+            f"the mesh has {counted(int(lost.sum()), 'vertex')} with coordinates that are not "
+            f"finite numbers (the first is vertex {int(np.argmax(lost))})"
         )
     if mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices):
         raise GeometryError(f"a triangle refers to a vertex beyond the mesh's {len(mesh.vertices)}")
