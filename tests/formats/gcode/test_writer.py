@@ -557,6 +557,36 @@ def test_pressure_advance_in_the_firmwares_words(flavour: str, line: str) -> Non
     assert line.split()[0] not in written(layers, flavour=flavour)[0]
 
 
+def test_the_first_layer_may_be_hotter() -> None:
+    """The start block waits for it; the others' temperatures are set when the second begins."""
+    layers = stack(3, 5)
+    blocks = {
+        "start_gcode": "M140 S{bed_temperature}\nM109 S{nozzle_temperature}",
+        "end_gcode": "; {nozzle_temperature} {bed_temperature}",
+        "nozzle_temperature": 205.0,
+        "bed_temperature": 60.0,
+    }
+
+    def told(**settings: float) -> list[str]:
+        text = written(layers, **blocks, **settings)[0]
+        assert text.splitlines()[-1] == "; 205 60"
+        return [
+            line for line in text.splitlines() if line[:5] in ("M140 ", "M104 ", "M109 ", ";LAYE")
+        ]
+
+    opened = [";LAYER_COUNT:3", ";LAYER:0", ";LAYER:1"]
+    both = told(first_layer_hotter=5.0, first_layer_bed_hotter=-10.0)
+    assert both == ["M140 S50", "M109 S210", *opened, "M104 S205", "M140 S60", ";LAYER:2"]
+    nozzle = told(first_layer_hotter=5.0)
+    assert nozzle == ["M140 S60", "M109 S210", *opened, "M104 S205", ";LAYER:2"]
+    assert told(first_layer_hotter=0.0) == ["M140 S60", "M109 S205", *opened, ";LAYER:2"]
+
+
+def test_what_is_not_heated_is_not_heated_on_the_first_layer() -> None:
+    cold = PrintSettings(bed_temperature=0.0, nozzle_temperature=0.0, first_layer_bed_hotter=5.0)
+    assert cold.first_layer_temperatures() == (0.0, 0.0)
+
+
 @pytest.mark.parametrize(("flavour", "how"), [("klipper", "M83"), ("marlin", "M82")])
 def test_arcs_in_klipper_count_from_the_move_before(flavour: str, how: str) -> None:
     text = written([layer(scattered(5, 8, 1), disc(8))], flavour=flavour, arcs=True)[0]
