@@ -11,6 +11,7 @@ import shapely
 from diagrams import layer, scattered
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.loops.segments import Segments
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     BRIDGE,
@@ -29,10 +30,11 @@ from v3dcad.model import (
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.certificate import PrintedOverhang, printed_overhang
-from v3dcad.toolpath.overhang import Laid, hanging, laid_beads
+from v3dcad.toolpath.overhang import hanging
 from v3dcad.toolpath.report import LayerReport, findings
 
 W, H = 0.4, 0.2
+BEGINS, ENDS = slice(None, -1), slice(1, None)
 NOWHERE = shapely.Polygon()
 GROUPS = {
     "perimeters": (PERIMETER, INNER_PERIMETER),
@@ -64,8 +66,10 @@ def path(*lines: Floats, feature: int = PERIMETER) -> Toolpath:
     )
 
 
-def beads(*lines: Floats) -> Laid:
-    return laid_beads(path(*lines), np.zeros(3))
+def beads(*lines: Floats) -> Segments:
+    """Lines of the layer below."""
+    starts, stops = (np.concatenate([line[part] for line in lines]) for part in (BEGINS, ENDS))
+    return Segments.of(starts, stops, W)
 
 
 def wander(random: np.random.Generator, count: int, step: float) -> Floats:
@@ -86,9 +90,9 @@ def test_what_hangs_is_what_shapely_leaves(seed: int) -> None:
     assert found.over == "air"
 
 
-def by_places(lines: list[Floats], under: Laid, width: float) -> float:
+def by_places(lines: list[Floats], under: Segments, width: float) -> float:
     """The longest span, from places every 0.01 mm along each line."""
-    near = shapely.union_all(shapely.linestrings(np.stack(under, axis=1)))
+    near = shapely.union_all(shapely.linestrings(under.ends.reshape(-1, 2, 2)))
     shapely.prepare(near)
     longest = 0.0
     for line in lines:

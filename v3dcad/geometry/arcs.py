@@ -13,9 +13,14 @@ def lengths(start: Floats, stop: Floats, centre: Floats) -> Floats:
     Where the centre is NaN the step is straight. An arc is the shorter of the two between its
     ends, and lies at one height.
     """
-    step = stop - start
-    chord = np.sqrt((step * step).sum(axis=1))
-    radius = np.hypot(*(start[:, :2] - centre).T)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        arc = 2 * radius * np.arcsin(np.minimum(chord / (2 * radius), 1))
-    return np.asarray(np.where(np.isnan(radius), chord, arc))
+    square = np.zeros(len(start))
+    for here, there in zip(start.T, stop.T, strict=True):
+        step = there - here
+        square += step * step
+    length = np.sqrt(square)
+    (turns,) = np.nonzero(~np.isnan(centre[:, 0]))
+    if len(turns):
+        radius = np.hypot(*(start[turns, :2] - centre[turns]).T)
+        half = np.minimum(length[turns] / np.maximum(2 * radius, 1e-300), 1)
+        length[turns] = 2 * radius * np.arcsin(half)
+    return length

@@ -10,6 +10,7 @@ import numpy as np
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.loops.joining import Linked
+from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
     BRIDGE,
     CELLS,
@@ -32,7 +33,7 @@ from v3dcad.toolpath.bead import bead_areas, bead_spacing
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
-from v3dcad.toolpath.overhang import Hanging, Laid, hanging, laid_beads, refuse_spans
+from v3dcad.toolpath.overhang import Hanging, hanging, refuse_spans
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
@@ -66,7 +67,7 @@ def trace(
     """
     nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
     below: Below | None = None
-    laid: Laid | None = None
+    laid: Segments | None = None
     certified = report is not None or not isinstance(settings.fail_over, str)
     traced = made = False
     # A layer waits for its skin, which sections above have a say in.
@@ -82,19 +83,17 @@ def trace(
             layer, area, skin, settings, first, nozzle.spacing, linked, seams, below, thesis
         )
         before = nozzle.position
-        strokes = capped(list(plan.strokes(before[:2])), nozzle.spacing) if printed else []
+        planned = list(plan.strokes(before[:2])) if printed else []
+        strokes, lines = capped(planned, nozzle.spacing)
         for stroke in strokes:
             nozzle.print(stroke)
         toolpath = nozzle.taken(layer.index)
         hang: tuple[Hanging, ...] = ()
-        if certified and printed:
-            if laid is not None and below is not None:
-                hang = hanging(
-                    toolpath, before, laid, below.area, settings.bead_width, nozzle.height
-                )
-                refuse_spans(hang, layer.index, nozzle.level, settings.fail_over)
-            laid = laid_beads(toolpath, before)
+        if certified and printed and laid is not None and below is not None:
+            hang = hanging(toolpath, before, laid, below.area, settings.bead_width, nozzle.height)
+            refuse_spans(hang, layer.index, nozzle.level, settings.fail_over)
         if printed:
+            laid = lines
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0

@@ -10,8 +10,8 @@ import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import links_rounded
-from v3dcad.geometry.loops.joining import Linked, joined
-from v3dcad.geometry.loops.loops import Loops
+from v3dcad.geometry.loops.joining import Curves, Linked, joined
+from v3dcad.geometry.loops.loops import Loops, following
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
 from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.graph import PathGraph
@@ -61,15 +61,7 @@ def joined_strokes(
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
     curves = joined(loops.thinned(shortest), spacing, linked, shortest)
-    curves = links_rounded(curves, shortest)
-    left = [
-        Closed(
-            curves.points[start:stop],
-            np.where(curves.owner[start:stop] < 0, INNER_PERIMETER, CELLS),
-            np.full((stop - start, 2), np.nan),
-        )
-        for start, stop in zip(curves.first[:-1], curves.first[1:], strict=True)
-    ]
+    left = _Left(links_rounded(curves, shortest))
     yield from _in_order(_from_seams(outer, seams), left, spacing, here, shortest)
 
 
@@ -93,62 +85,75 @@ def _from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
     return found
 
 
+class _Left:
+    """Closed curves that are still to be printed."""
+
+    def __init__(self, curves: Curves) -> None:
+        self._curves = curves
+        self._steps = curves.points[following(curves.first)] - curves.points
+        self._squares = np.maximum((self._steps**2).sum(axis=1), 1e-300)
+        self._done = np.zeros(len(curves.points), np.bool_)
+
+    def __bool__(self) -> bool:
+        return not bool(self._done.all())
+
+    def nearest(self, here: Floats) -> tuple[int, float, float]:
+        """Which step comes nearest to a place: the share of it that lies before, and how near."""
+        away = here - self._curves.points
+        shares = np.clip((away * self._steps).sum(axis=1) / self._squares, 0, 1)
+        away -= shares[:, None] * self._steps
+        apart = np.where(self._done, np.inf, (away**2).sum(axis=1))
+        step = int(np.argmin(apart))
+        return step, float(shares[step]), float(np.sqrt(apart[step]))
+
+    def entered(self, step: int, share: float, shortest: float) -> Closed:
+        """Take a curve, from a place on it and round to it again.
+
+        A corner within `shortest` mm of that place stands for it, so that no shorter step is made.
+        """
+        curve = int(np.searchsorted(self._curves.first, step, side="right")) - 1
+        own = slice(*self._curves.first[curve : curve + 2])
+        self._done[own] = True
+        points, owner = self._curves.points[own], self._curves.owner[own]
+        step -= own.start
+        after = (step + 1) % len(points)
+        place = points[step] + share * self._steps[own][step]
+        from_, to = np.hypot(*(place - points[[step, after]]).T)
+        begin = step if from_ <= to else after
+        feature = np.where(owner < 0, INNER_PERIMETER, CELLS)
+        if min(from_, to) >= shortest:
+            begin = after
+        points, feature = np.roll(points, -begin, axis=0), np.roll(feature, -begin)
+        if min(from_, to) >= shortest:
+            points = np.vstack([place, points])
+            feature = np.concatenate([feature[-1:], feature])
+        return _open(Closed(points, feature, np.full(points.shape, np.nan)))
+
+
 def _in_order(
-    outer: list[Closed], curves: list[Closed], spacing: float, here: Floats, shortest: float
+    outer: list[Closed], left: _Left, spacing: float, here: Floats, shortest: float
 ) -> Iterator[Stroke]:
-    lines = [shapely.LinearRing(curve.points) for curve in curves]
-    while outer or curves:
+    while outer or left:
         stroke: list[Closed] = []
         if outer:
             away = [np.hypot(*(loop.points[0] - here)) for loop in outer]
             stroke.append(_open(outer.pop(int(np.argmin(away)))))
             here = stroke[-1].points[-1]
-        while curves:
-            gaps = shapely.distance(lines, shapely.Point(here))
-            nearest = int(np.argmin(gaps))
-            if outer and gaps[nearest] > NEAR * spacing:
+        while left:
+            step, share, gap = left.nearest(here)
+            if outer and gap > NEAR * spacing:
                 break
-            curve = _entered(curves.pop(nearest), lines.pop(nearest), here, shortest)
-            if stroke and gaps[nearest] > STEP_IN * spacing:
+            if stroke and gap > STEP_IN * spacing:
                 yield _stroke(stroke)
                 stroke = []
-            stroke.append(curve)
-            here = curve.points[-1]
+            stroke.append(left.entered(step, share, shortest))
+            here = stroke[-1].points[-1]
         yield _stroke(stroke)
 
 
 def _open(loop: Closed) -> Closed:
     """A closed stroke that ends with its first point again."""
     return loop._replace(points=np.vstack([loop.points, loop.points[:1]]))
-
-
-def _entered(curve: Closed, line: shapely.Geometry, here: Floats, shortest: float) -> Closed:
-    """A curve from the place on it that is nearest to `here`, and round to it again.
-
-    A corner within `shortest` mm of that place stands for it, so that no shorter step is made.
-    """
-    along = shapely.line_locate_point(line, shapely.Point(here))
-    steps = np.hypot(*(np.roll(curve.points, -1, axis=0) - curve.points).T)
-    passed = np.cumsum(steps) - steps
-    step = int(np.searchsorted(passed, along, side="right")) - 1
-    gone = along - passed[step]
-    left = steps[step] - gone
-    if min(gone, left) < shortest:
-        corner = step if gone <= left else step + 1
-        turned = Closed(
-            np.roll(curve.points, -corner, axis=0),
-            np.roll(curve.feature, -corner),
-            np.roll(curve.centre, -corner, axis=0),
-        )
-        return _open(turned)
-    place = shapely.get_coordinates(shapely.line_interpolate_point(line, along))[0]
-    points = np.roll(curve.points, -step - 1, axis=0)
-    feature = np.roll(curve.feature, -step - 1)
-    return Closed(
-        np.vstack([place, points, place]),
-        np.concatenate([feature[-1:], feature]),
-        np.full((len(points) + 1, 2), np.nan),
-    )
 
 
 def _stroke(parts: list[Closed]) -> Stroke:

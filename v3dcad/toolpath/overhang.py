@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.loops.reach import Near, far_from
+from v3dcad.geometry.loops.reach import far_from
+from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
     BRIDGE,
     CELLS,
@@ -71,17 +71,13 @@ class Hanging:
     """"air" or, where the section below goes on under that place, "cells" """
 
 
-class Laid(NamedTuple):
-    """All beads of a layer: from where to where, (n, 2) each, mm."""
-
-    start: Floats
-    stop: Floats
-
-
 class _Way(NamedTuple):
     """Beads put one after the other on one line; where the nozzle stops, with room between."""
 
-    laid: Laid
+    start: Floats
+    """(n, 2) mm, where each bead begins"""
+    stop: Floats
+    """(n, 2) mm, and ends"""
     kind: Ints
     """(n,) number of each one's kind"""
     at: Floats
@@ -92,7 +88,7 @@ class _Way(NamedTuple):
         """(k, 2) mm: the places at some mm (k,) along the line; corners to the last bit."""
         bead = self.beads(at)
         along = at - self.at[bead]
-        start, stop, length = self.laid.start[bead], self.laid.stop[bead], self.length[bead]
+        start, stop, length = self.start[bead], self.stop[bead], self.length[bead]
         share = along / np.maximum(length, ROUNDING)
         found = start + share[:, None] * (stop - start)
         found[along < ROUNDING] = start[along < ROUNDING]
@@ -111,22 +107,17 @@ class _Way(NamedTuple):
         count = np.maximum(last - first, 0)
         number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         every = np.arange(len(spans))
-        between = self.laid.start[np.repeat(first, count) + number]
+        between = self.start[np.repeat(first, count) + number]
         return (
             np.vstack([self.points(spans[:, 0]), between, self.points(spans[:, 1])]),
             np.concatenate([every, np.repeat(every, count), every]),
         )
 
 
-def laid_beads(toolpath: Toolpath, before: Floats) -> Laid:
-    """What a toolpath extrudes, if it begins at `before` (3,), mm."""
-    return _chosen(toolpath, before, toolpath.kind == EXTRUDE)
-
-
 def hanging(
     toolpath: Toolpath,
     before: Floats,
-    below: Laid,
+    below: Segments,
     area_below: shapely.Geometry,
     width: float,
     height: float,
@@ -142,9 +133,9 @@ def hanging(
         kinds[list(features)] = number
     kind = np.where(toolpath.kind == EXTRUDE, kinds[toolpath.feature], -1)
     steps = np.flatnonzero(kind >= 0)
-    way = _way(_chosen(toolpath, before, kind >= 0), kind[steps], steps)
-    under = Near.of(*below, width / 2)
-    of, low, high = far_from(*way.laid, under, width / 2)
+    ends = np.vstack([before, toolpath.points])[:, :2]
+    way = _way(ends[steps], ends[steps + 1], kind[steps], steps)
+    of, low, high = far_from(way.start, way.stop, below, width / 2)
     if not len(of):
         return ()
     length = way.length[of] * (high - low)
@@ -153,7 +144,7 @@ def hanging(
     areas = np.bincount(way.kind[of], length * per_mm[of], len(KINDS))
     shapely.prepare(area_below)
     found = []
-    spans = _spans(way, of, low, high, under, width)
+    spans = _spans(way, of, low, high, below, width)
     for number, what in enumerate(KINDS):
         if hangs[number] > ROUNDING:
             span, (x, y) = _longest(way, spans, number)
@@ -164,19 +155,15 @@ def hanging(
     return tuple(found)
 
 
-def _chosen(toolpath: Toolpath, before: Floats, chosen: NDArray[np.bool_]) -> Laid:
-    ends = np.vstack([before, toolpath.points])[:, :2]
-    return Laid(ends[:-1][chosen], ends[1:][chosen])
-
-
-def _way(laid: Laid, kind: Ints, steps: Ints) -> _Way:
-    length = np.hypot(*(laid.stop - laid.start).T)
+def _way(start: Floats, stop: Floats, kind: Ints, steps: Ints) -> _Way:
+    x, y = (stop - start).T
+    length = np.sqrt(x * x + y * y)
     stops = np.ones(len(steps), dtype=bool)
     stops[1:] = (np.diff(steps) != 1) | (np.diff(kind) != 0)
-    return _Way(laid, kind, np.cumsum(length + APART * stops) - length, length)
+    return _Way(start, stop, kind, np.cumsum(length + APART * stops) - length, length)
 
 
-def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Near, width: float) -> Floats:
+def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Segments, width: float) -> Floats:
     """(s, 2) mm along the way, where spans begin and end.
 
     Stretches of beads `of` (k,) from `low` to `high` hang. What touches nothing is grown by what
@@ -185,8 +172,8 @@ def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Near, width: f
     """
     begins, ends = (way.at[of] + share * way.length[of] for share in (low, high))
     runs = _merged(begins, ends)
-    steps = way.laid.stop[of] - way.laid.start[of]
-    corner = way.laid.start[of]
+    steps = way.stop[of] - way.start[of]
+    corner = way.start[of]
     free = far_from(corner + low[:, None] * steps, corner + high[:, None] * steps, under, width)
     size = (ends - begins)[free.segment]
     from_, to = (begins[free.segment] + share * size for share in (free.low, free.high))

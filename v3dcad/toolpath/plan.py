@@ -113,11 +113,12 @@ class Plan:
             for area, turned, what in parts
             for line in hatch(inset(area, self.spacing / 2), self.spacing, turned, area)
         ]
-        while lines:
-            ends = np.array([[line[0], line[-1]] for line, _ in lines])
+        ends = np.array([[line[0], line[-1]] for line, _ in lines]).reshape(-1, 2, 2)
+        for _ in range(len(lines)):
             apart = np.hypot(*np.moveaxis(ends - self.here, -1, 0))
             nearest, end = np.unravel_index(int(np.argmin(apart)), apart.shape)
-            line, what = lines.pop(int(nearest))
+            ends[nearest] = np.inf
+            line, what = lines[nearest]
             yield self._moved_to(_line(line[::-1] if end else line, what))
 
     def _in_closed_strokes(self, depths: list[float]) -> Iterator[Stroke]:

@@ -123,7 +123,7 @@ class Rooms:
             layer, area, printed.skin, settings, first, spacing, Linked(), seams, None, False
         )
         lengths = np.zeros(FEATURES)
-        for stroke in capped(list(plan.strokes(np.zeros(2))), spacing):
+        for stroke in capped(list(plan.strokes(np.zeros(2))), spacing)[0]:
             np.add.at(lengths, stroke.feature, stroke.laid)
         volumes = lengths * bead_areas(settings, printed.height, first=first)
         volumes[SOLID] *= printed.skin_flow

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.loops.coverage import covered
+from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import BRIDGE, Bytes, Floats, Ints
 
 
@@ -38,33 +39,36 @@ def way_back(points: Floats, length: float) -> Floats:
     return np.vstack([back[passed], last])
 
 
-def capped(strokes: Sequence[Stroke], spacing: float) -> list[Stroke]:
+def capped(strokes: Sequence[Stroke], spacing: float) -> tuple[list[Stroke], Segments]:
     """The strokes of a layer with no more bead than there is room for, beads `spacing` (mm) wide.
 
     Where beads come nearer to each other than that, as in narrow tips, thin parts and junctions of
     walls of one bead, each gets what lies nearest to it. Of a line that is passed twice, half is
-    laid each time. Bridges are laid in full: they hang free, with a flow of their own.
+    laid each time. Bridges are laid in full: they hang free, with a flow of their own. Beside the
+    strokes come all lines that they follow, each once.
     """
-    if not strokes:
-        return []
     first = [
         np.ones(len(one.laid), np.bool_) if one.other is None
         else np.arange(len(one.laid)) <= one.other
         for one in strokes
     ]  # fmt: skip
-    share = covered(
-        np.concatenate([one.points[:-1][on] for one, on in zip(strokes, first, strict=True)]),
-        np.concatenate([one.points[1:][on] for one, on in zip(strokes, first, strict=True)]),
-        np.repeat(np.arange(len(strokes)), [int(on.sum()) for on in first]),
+    none = [np.empty((0, 2))]
+    lines = Segments.of(
+        np.concatenate(
+            none + [one.points[:-1][on] for one, on in zip(strokes, first, strict=True)]
+        ),
+        np.concatenate(none + [one.points[1:][on] for one, on in zip(strokes, first, strict=True)]),
         spacing,
     )
-    ends = np.cumsum([on.sum() for on in first])[:-1]
+    counts = [int(on.sum()) for on in first]
+    share = covered(lines, np.repeat(np.arange(len(strokes)), counts), spacing)
     fed = []
-    for one, on, part in zip(strokes, first, np.split(share, ends), strict=True):
+    parts = np.split(share, np.cumsum(counts)[:-1])
+    for one, on, part in zip(strokes, first, parts, strict=False):
         amount = one.laid.copy()
         amount[on] *= np.where(one.feature[on] == BRIDGE, 1.0, part)
         if one.other is not None:
             amount = np.where(on, amount, amount[one.other])
             amount[one.other != np.arange(len(amount))] /= 2
         fed.append(one._replace(laid=amount))
-    return fed
+    return fed, lines

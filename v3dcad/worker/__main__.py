@@ -11,10 +11,12 @@ from pathlib import Path
 
 def preparing() -> Iterator[str]:
     """Load what later requests need, step by step. What cannot be loaded, they say themselves."""
-    from v3dcad.warm_up import warming_up
+    from v3dcad.warm_up import ALL, warm_up
 
     try:
-        yield from warming_up()
+        for name in ("v3dcad.pipeline", "v3dcad.kernel.load", *ALL):
+            warm_up([name])
+            yield name
     except Exception:  # such as a missing kernel: no reason to end
         traceback.print_exc(file=sys.stderr)
 

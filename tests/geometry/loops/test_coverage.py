@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from v3dcad.geometry.loops.coverage import covered
+from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import Floats
 
 W = 0.4
@@ -19,7 +20,7 @@ def shares(*lines: Floats) -> tuple[Floats, Floats]:
     start = np.concatenate([line[:-1] for line in lines])
     stop = np.concatenate([line[1:] for line in lines])
     stroke = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])
-    return covered(start, stop, stroke, W), np.hypot(*(stop - start).T)
+    return covered(Segments.of(start, stop, W), stroke, W), np.hypot(*(stop - start).T)
 
 
 def area(*lines: Floats) -> float:
@@ -64,6 +65,7 @@ def test_a_circle_of_short_beads_is_full() -> None:
 
 
 def test_no_beads_and_beads_without_length() -> None:
-    assert not len(covered(np.empty((0, 2)), np.empty((0, 2)), np.empty(0, np.int64), W))
+    none = np.empty((0, 2))
+    assert not len(covered(Segments.of(none, none, W), np.empty(0, np.int64), W))
     share, _ = shares(np.zeros((2, 2)), np.array([[3.0, 0], [4, 0]]))
     assert np.isfinite(share).all()

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from v3dcad.geometry.loops.joining import LINK, Curves
+from v3dcad.geometry.loops.loops import following
 
 BEND = math.radians(20)
 """A smaller turn is no corner: it is taken at full speed."""
@@ -22,25 +23,25 @@ def links_rounded(curves: Curves, shortest: float) -> Curves:
     than `shortest` (mm).
     """
     points, owner = curves.points, curves.owner
-    if not len(points):
-        return curves
-    after = np.arange(1, len(points) + 1)
-    after[curves.first[1:] - 1] = curves.first[:-1]
+    after = following(curves.first)
     before = np.empty_like(after)
     before[after] = np.arange(len(points))
+    (corner,) = np.nonzero((owner == LINK) | (owner[before] == LINK))
 
-    leaving = points[after] - points
-    length = np.hypot(*leaving.T)
-    leaving /= np.maximum(length, 1e-12)[:, None]
-    arriving = leaving[before]
+    arriving, leaving = (
+        points[corner] - points[before[corner]],
+        points[after[corner]] - points[corner],
+    )
+    gone, left = (np.maximum(np.hypot(*steps.T), 1e-12) for steps in (arriving, leaving))
+    arriving, leaving = arriving / gone[:, None], leaving / left[:, None]
     turn = np.arccos(np.clip((arriving * leaving).sum(axis=1), -1, 1))
-    away = MOST_SHARE * np.minimum(length, length[before])
-    cut = ((owner == LINK) | (owner[before] == LINK)) & (turn > BEND)
-    cut &= 2 * away * np.cos(turn / 2) >= shortest
+    away = MOST_SHARE * np.minimum(gone, left)
+    cut = (turn > BEND) & (2 * away * np.cos(turn / 2) >= shortest)
 
-    copies = 1 + cut
+    copies = np.ones(len(points), np.int64)
+    copies[corner[cut]] = 2
     ends = np.cumsum(copies)
     found = np.repeat(points, copies, axis=0)
-    found[ends[cut] - 2] -= away[cut, None] * arriving[cut]
-    found[ends[cut] - 1] += away[cut, None] * leaving[cut]
+    found[ends[corner[cut]] - 2] -= away[cut, None] * arriving[cut]
+    found[ends[corner[cut]] - 1] += away[cut, None] * leaving[cut]
     return Curves(found, np.concatenate([[0], ends])[curves.first], np.repeat(owner, copies))

@@ -12,18 +12,22 @@ import math
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
     ConstFloatArray,
-    ConstFloatRows,
     ConstIntArray,
     FloatArray,
+    FloatRows,
     IntArray,
 )
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
-from v3dcad.geometry.loops.segment_bins import bin_range, row_span, segment_bins
+from v3dcad.geometry.loops.reach import within
+from v3dcad.geometry.loops.segments import Segments, beside
 from v3dcad.model import Floats, Ints
 
 NEAR = 0.95
 """Lines nearer to each other than so many bead widths share room."""
+TOUCHING = 1 - 1e-6
+"""Bead widths: lines as far apart as they should be take no room from each other."""
 ROUND = 1.6
 """Bead widths: so near along a stroke, a bead that only bends meets nothing."""
 MITRE = math.tan(math.pi / 3)
@@ -36,60 +40,53 @@ PIECE = 4.0
 """Bead widths: longer beads are looked at piece by piece."""
 STEP = 0.5
 """Bead widths between two places at which room is measured."""
+COUNTS = np.arange(math.ceil(PIECE / STEP) + 1)
+ENDS = (1 - np.cos(np.pi * COUNTS / np.maximum(COUNTS, 1)[:, None])) / 2
+"""Where places on a piece end, in shares of it: in row n those of n places. They are closer to each
+other at the ends, where other beads come in."""
 
 
-def covered(start: Floats, stop: Floats, stroke: Ints, width: float) -> Floats:
+def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
     """(n,) what share of its room each straight bead has to itself; 1 where none is near.
 
-    Beads run from `start` (n, 2) to `stop` (n, 2), mm, and are `width` wide; those of one `stroke`
-    (n,) follow each other where ends meet. A bend to the left covers its inside twice and leaves a
+    Beads lie along `segments` and are `width` wide, mm; those of one `stroke` (n,) follow each
+    other where ends meet. A bend to the left covers its inside twice and leaves a
     notch outside, which what is too much fills: it counts as even. To the right, where loops have
     their hollow, nothing closes the notch, and it is taken off.
     """
-    if not len(start):
+    if not len(stroke):
         return np.zeros(0)
-    steps = stop - start
-    length = np.hypot(*steps.T)
+    ax, ay, bx, by = segments.ends.T
+    x, y = bx - ax, by - ay
+    length = np.sqrt(x * x + y * y)
     passed = np.cumsum(length) - length
-    bends = np.zeros(len(start) + 1)
-    follows = (stroke[1:] == stroke[:-1]) & (start[1:] == stop[:-1]).all(axis=1)
+    bends = np.zeros(len(stroke) + 1)
+    follows = (stroke[1:] == stroke[:-1]) & (ax[1:] == bx[:-1]) & (ay[1:] == by[:-1])
     run = np.concatenate([[0], np.cumsum(~follows)])
-    (x, y), (u, v) = steps[:-1].T, steps[1:].T
+    u, v, x, y = x[1:], y[1:], x[:-1], y[:-1]
     bends[1:-1] = np.where(follows, np.arctan2(x * v - y * u, x * u + y * v), 0.0)
 
-    areas = length * width
     kite = np.tan(np.minimum(np.abs(bends), FLAT) / 2)
     lost = kite - np.where(bends < 0, np.abs(bends) / 2, np.minimum(kite, MITRE))
+    areas = length * width
     areas -= (lost[:-1] + lost[1:]) * width**2 / 8
     # Where a kite is longer than its bead, it is no kite.
-    crowded = (length < np.maximum(kite[:-1], kite[1:]) * width / 2).astype(np.int64)
-    bins = segment_bins(start, stop, width)
-    stamp, near = np.full(len(start), -1), np.empty(len(start), np.int64)
-    _find_crowded(start, stop, run, passed, length, *bins, width, stamp, crowded)
-    _measure(start, stop, bends, length, *bins, width, stamp, near, crowded, areas)
-    return np.asarray(np.clip(areas / np.maximum(length * width, 1e-12), 0.0, 1.0))
-
-
-@compiled(INTERNAL)
-def _point_apart(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
-    """The square of a point's distance from the segment a → b."""
-    dx, dy = bx - ax, by - ay
-    share = ((x - ax) * dx + (y - ay) * dy) / max(dx * dx + dy * dy, 1e-300)
-    share = min(max(share, 0.0), 1.0)
-    return (ax + share * dx - x) ** 2 + (ay + share * dy - y) ** 2
-
-
-@compiled(INTERNAL)
-def _apart(
-    ax: float, ay: float, bx: float, by: float, cx: float, cy: float, dx: float, dy: float
-) -> float:
-    """The square of the distance of the segments a → b and c → d, which do not cross."""
-    return min(
-        _point_apart(cx, cy, ax, ay, bx, by),
-        _point_apart(dx, dy, ax, ay, bx, by),
-        _point_apart(ax, ay, cx, cy, dx, dy),
-        _point_apart(bx, by, cx, cy, dx, dy),
+    crowded = length < np.maximum(kite[:-1], kite[1:]) * width / 2
+    _measure(
+        segments,
+        run,
+        passed,
+        length,
+        bends,
+        lost * width**2 / 8,
+        crowded,
+        width,
+        np.full(len(length), -1),
+        np.empty(len(length) + 1, np.int64),
+        np.empty((len(length), 2)),
+        areas,
     )
+    return np.asarray(np.clip(areas / np.maximum(length * width, 1e-12), 0.0, 1.0))
 
 
 @compiled(INTERNAL)
@@ -102,6 +99,8 @@ def _room(
     function, least where its derivative, a quadratic, is zero.
     """
     ux, uy, vx, vy = ax - x, ay - y, bx - ax, by - ay
+    if max(ux * nx + uy * ny, (ux + vx) * nx + (uy + vy) * ny) < 1e-12:
+        return math.inf  # it lies behind
     square, mixed, rest = vx * vx + vy * vy, ux * vx + uy * vy, ux * ux + uy * uy
     ahead, rise = ux * nx + uy * ny, vx * nx + vy * ny
     if abs(rise) < 1e-12:
@@ -116,120 +115,102 @@ def _room(
     return (rest + share * (2 * mixed + share * square)) / (2 * ahead)
 
 
-@compiled(UNCOUNTED)
-def _find_crowded(
-    start: ConstFloatRows,
-    stop: ConstFloatRows,
+@compiled(INTERNAL)
+def _meets(
+    segments: Segments,
     run: ConstIntArray,
     passed: ConstFloatArray,
     length: ConstFloatArray,
-    frame: FloatArray,
-    shape: IntArray,
-    bin_first: IntArray,
-    items: IntArray,
     width: float,
-    stamp: IntArray,
-    crowded: IntArray,
-) -> None:
-    """Mark all beads that others come near to."""
-    side, reach = frame[2], NEAR * width
-    for one in range(len(start)):
-        ax, ay, bx, by = start[one, 0], start[one, 1], stop[one, 0], stop[one, 1]
-        west, east = min(ax, bx) - reach, max(ax, bx) + reach
-        south, north = min(ay, by) - reach, max(ay, by) + reach
-        below, above = bin_range(min(ay, by), max(ay, by), frame[1], side, shape[1])
-        for row in range(below, above + 1):
-            y = frame[1] + row * side
-            left, right = row_span(ax, ay, bx, by, y, y + side)
-            first, last = bin_range(left, right, frame[0], side, shape[0])
-            for bin_ in range(row * shape[0] + first, row * shape[0] + last + 1):
-                for k in range(bin_first[bin_], bin_first[bin_ + 1]):
-                    other = items[k]
-                    if other <= one or stamp[other] == one:
-                        continue
-                    stamp[other] = one
-                    cx, cy = start[other, 0], start[other, 1]
-                    dx, dy = stop[other, 0], stop[other, 1]
-                    if max(cx, dx) < west or min(cx, dx) > east:
-                        continue
-                    if max(cy, dy) < south or min(cy, dy) > north:
-                        continue
-                    if _apart(ax, ay, bx, by, cx, cy, dx, dy) > reach * reach:
-                        continue
-                    # A bead that goes on, or bends no more than round, does not meet itself.
-                    ahead = passed[other] - passed[one] - length[one]
-                    if run[other] == run[one] and ahead < ROUND * width:
-                        along = (bx - ax) * (dx - cx) + (by - ay) * (dy - cy)
-                        if ahead < 1e-9 or along > BACK * length[one] * length[other]:
-                            continue
-                    crowded[one] = crowded[other] = 1
+    one: int,
+    other: int,
+) -> bool:
+    """Whether two beads near each other share room: not those where a stroke only bends."""
+    before, after = (one, other) if one < other else (other, one)
+    ahead = passed[after] - passed[before] - length[before]
+    if run[other] != run[one] or ahead >= ROUND * width:
+        return True
+    ends = segments.ends
+    along = (ends[one, 2] - ends[one, 0]) * (ends[other, 2] - ends[other, 0])
+    along += (ends[one, 3] - ends[one, 1]) * (ends[other, 3] - ends[other, 1])
+    return ahead >= 1e-9 and along <= BACK * length[one] * length[other]
 
 
 @compiled(UNCOUNTED)
 def _measure(
-    start: ConstFloatRows,
-    stop: ConstFloatRows,
-    bends: ConstFloatArray,
+    segments: Segments,
+    run: ConstIntArray,
+    passed: ConstFloatArray,
     length: ConstFloatArray,
-    frame: FloatArray,
-    shape: IntArray,
-    bin_first: IntArray,
-    items: IntArray,
+    bends: ConstFloatArray,
+    lost: ConstFloatArray,
+    crowded: BoolArray,
     width: float,
     stamp: IntArray,
     near: IntArray,
-    crowded: ConstIntArray,
+    spans: FloatRows,
     areas: FloatArray,
 ) -> None:
-    """The area that each crowded bead has to itself, from places along it."""
-    side, half = frame[2], width / 2
-    visit = len(start)
-    for one in range(len(start)):
-        if not crowded[one] or length[one] < 1e-9:
+    """The area that each bead has to itself where others come near, from places along it.
+
+    `areas` come with what each has alone. At its bends, numbers `one` and `one` + 1, a bead has
+    `lost` mm² of that; all beads that are `crowded` are measured, by places.
+    """
+    ends, half, visit = segments.ends, width / 2, 0
+    for one in range(len(length)):
+        if length[one] < 1e-9:
             continue
-        along_x, along_y = stop[one, 0] - start[one, 0], stop[one, 1] - start[one, 1]
+        along_x, along_y = ends[one, 2] - ends[one, 0], ends[one, 3] - ends[one, 1]
         ux, uy = along_x / length[one], along_y / length[one]
         # By pieces, so that few others are near.
         pieces = math.ceil(length[one] / (PIECE * width))
-        places = math.ceil(length[one] / (pieces * STEP * width))
-        total, fans = 0.0, 0.0
+        places = min(math.ceil(length[one] / (pieces * STEP * width)), len(ENDS) - 1)
         for piece in range(pieces):
             low, high = piece / pieces, (piece + 1) / pieces
-            ax, ay = start[one, 0] + low * along_x, start[one, 1] + low * along_y
-            bx, by = start[one, 0] + high * along_x, start[one, 1] + high * along_y
-            found = 0
+            ax, ay = ends[one, 0] + low * along_x, ends[one, 1] + low * along_y
+            bx, by = ends[one, 0] + high * along_x, ends[one, 1] + high * along_y
             visit += 1
-            below, above = bin_range(min(ay, by), max(ay, by), frame[1], side, shape[1])
-            for row in range(below, above + 1):
-                y = frame[1] + row * side
-                left, right = row_span(ax, ay, bx, by, y, y + side)
-                first, last = bin_range(left, right, frame[0], side, shape[0])
-                for bin_ in range(row * shape[0] + first, row * shape[0] + last + 1):
-                    for k in range(bin_first[bin_], bin_first[bin_ + 1]):
-                        other = items[k]
-                        if other == one or stamp[other] == visit:
-                            continue
-                        stamp[other] = visit
-                        near[found] = other
-                        found += 1
+            found = beside(segments, ax, ay, bx, by, width, stamp, visit, near)
+            count, shares = 0, crowded[one]
+            for k in range(found):
+                other = near[k]
+                if other == one:
+                    continue
+                cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+                low, high = within(ax, ay, bx, by, cx, cy, dx, dy, TOUCHING * width)
+                if low > high:
+                    continue
+                near[count] = other
+                spans[count, 0], spans[count, 1] = low, high
+                count += 1
+                if not shares and _meets(segments, run, passed, length, width, one, other):
+                    low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
+                    shares = low <= high
+            if not shares:
+                continue
+            long = length[one] / pieces
+            area = 0.0
             for place in range(places):
-                # Close together at the ends, where others come in.
-                from_ = (1 - math.cos(math.pi * place / places)) / 2
-                to = (1 - math.cos(math.pi * (place + 1) / places)) / 2
+                from_, to = ENDS[places, place], ENDS[places, place + 1]
                 share = (from_ + to) / 2
                 x, y = ax + share * (bx - ax), ay + share * (by - ay)
                 left, right = half, half
-                for k in range(found):
-                    other = near[k]
-                    cx, cy = start[other, 0], start[other, 1]
-                    dx, dy = stop[other, 0], stop[other, 1]
-                    left = min(left, _room(x, y, -uy, ux, cx, cy, dx, dy))
-                    right = min(right, _room(x, y, uy, -ux, cx, cy, dx, dy))
-                total += (left + right) * (to - from_)
+                for k in range(count):
+                    if spans[k, 0] <= share <= spans[k, 1]:
+                        other = near[k]
+                        cx, cy = ends[other, 0], ends[other, 1]
+                        dx, dy = ends[other, 2], ends[other, 3]
+                        left = min(left, _room(x, y, -uy, ux, cx, cy, dx, dy))
+                        right = min(right, _room(x, y, uy, -ux, cx, cy, dx, dy))
+                area += (left + right) * (to - from_) * long
+            alone = long * width
             # The notch outside a bend, a fan of which either bead has one half.
             for end in range(2):
+                if piece != (pieces - 1 if end else 0):
+                    continue
                 bend = bends[one + end]
-                if bend == 0 or piece != (pieces - 1 if end else 0):
+                alone -= lost[one + end]
+                if bend == 0:
                     continue
                 x, y = (bx, by) if end else (ax, ay)
                 outward = -1.0 if bend > 0 else 1.0
@@ -238,10 +219,11 @@ def _measure(
                     sine, cosine = outward * math.sin(angle), outward * math.cos(angle)
                     nx, ny = -uy * cosine - ux * sine, ux * cosine - uy * sine
                     radius = half
-                    for k in range(found):
-                        other = near[k]
-                        cx, cy = start[other, 0], start[other, 1]
-                        dx, dy = stop[other, 0], stop[other, 1]
-                        radius = min(radius, _room(x, y, nx, ny, cx, cy, dx, dy))
-                    fans += abs(bend) / 8 * radius * radius
-        areas[one] = total * length[one] / pieces + fans
+                    for k in range(count):
+                        if spans[k, 0] <= end <= spans[k, 1]:
+                            other = near[k]
+                            cx, cy = ends[other, 0], ends[other, 1]
+                            dx, dy = ends[other, 2], ends[other, 3]
+                            radius = min(radius, _room(x, y, nx, ny, cx, cy, dx, dy))
+                    area += abs(bend) / 8 * radius * radius
+            areas[one] += area - alone

@@ -16,6 +16,13 @@ from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
 from v3dcad.model import Floats, Ints, Value
 
 
+def following(first: Ints) -> Ints:
+    """(p,) the number of the point after each of closed lines first[k] … first[k + 1]."""
+    after = np.arange(1, first[-1] + 1)
+    after[first[1:] - 1] = first[:-1]
+    return after
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Loops(Value):
     """Closed lines that do not meet."""
@@ -42,15 +49,14 @@ class Loops(Value):
 
     def after(self) -> Ints:
         """(p,) the number of the point after each, around its loop."""
-        after = np.arange(1, len(self.points) + 1)
-        after[self.first[1:] - 1] = self.first[:-1]
-        return after
+        return following(self.first)
 
     def positions(self) -> tuple[Floats, Floats]:
         """(p,) mm along its loop of each point, and (l,) mm of each loop's length."""
         if not len(self.points):
             return np.zeros(0), np.zeros(len(self.owner))
-        steps = np.hypot(*(self.points[self.after()] - self.points).T)
+        x, y = (self.points[self.after()] - self.points).T
+        steps = np.sqrt(x * x + y * y)
         passed = np.cumsum(steps) - steps
         start = self.first[:-1]
         at = passed - np.repeat(passed[start], np.diff(self.first))

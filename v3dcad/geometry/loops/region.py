@@ -15,13 +15,12 @@ import shapely
 from v3dcad.geometry.compiled.arrays import (
     ConstFloatRows,
     ConstIntArray,
-    FloatArray,
     FloatRows,
     IntArray,
 )
 from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
 from v3dcad.geometry.loops.loops import Loops
-from v3dcad.geometry.loops.segment_bins import SegmentBins, bin_range, segment_bins
+from v3dcad.geometry.loops.segments import Segments, bin_range
 from v3dcad.model import Floats, Ints
 
 SHORTEST = 1e-7
@@ -46,7 +45,7 @@ class Region:
         shapely.prepare(area)
         if len(contours):
             points = self._loops.points
-            self._bins: SegmentBins = segment_bins(points, points[self._after], GRAZING)
+            self._segments = Segments.of(points, points[self._after], GRAZING)
 
     def cut(self, corners: Floats, first: Ints, least_length: float, least_area: float) -> Loops:
         """What convex cells have of the area: the loops around it, each owned by a cell's number.
@@ -68,7 +67,7 @@ class Region:
             starts, owner = np.empty(rooms[1] + 1, np.int64), np.empty(rooms[1], np.int64)
             count, used = _cut(
                 corners, first, inside.view(np.uint8).astype(np.int64), self._loops.points,
-                self._after, *self._bins, least_length, least_area, points, starts, owner,
+                self._after, self._segments, least_length, least_area, points, starts, owner,
             )  # fmt: skip
             if used <= rooms[0] and count <= rooms[1]:
                 return Loops(points[:used], starts[: count + 1], owner[:count]).thinned(GRAZING)
@@ -145,10 +144,7 @@ def _cut(
     inside: ConstIntArray,
     rim: ConstFloatRows,
     after: ConstIntArray,
-    frame: FloatArray,
-    shape: IntArray,
-    bin_first: IntArray,
-    items: IntArray,
+    segments: Segments,
     least_length: float,
     least_area: float,
     points: FloatRows,
@@ -158,6 +154,8 @@ def _cut(
     """Number of loops and of points; what there is no room for is only counted."""
     count, used = 0, 0
     starts[0] = 0
+    frame, shape = segments.frame, segments.shape
+    per_mm, bin_first, items = 1 / frame[2], segments.first, segments.items
     stamp, passed = np.full(len(rim), -1), np.full(len(rim), -1)
     near = np.empty(len(rim), np.int64)
     # Chains: where each enters and leaves, and its points.
@@ -174,8 +172,8 @@ def _cut(
         for k in range(low + 1, high):
             left, right = min(left, corners[k, 0]), max(right, corners[k, 0])
             bottom, top = min(bottom, corners[k, 1]), max(top, corners[k, 1])
-        columns = bin_range(left, right, frame[0], frame[2], shape[0])
-        rows = bin_range(bottom, top, frame[1], frame[2], shape[1])
+        columns = bin_range(left, right, frame[0], per_mm, shape[0])
+        rows = bin_range(bottom, top, frame[1], per_mm, shape[1])
         found = 0
         for row in range(rows[0], rows[1] + 1):
             for bin_ in range(row * shape[0] + columns[0], row * shape[0] + columns[1] + 1):

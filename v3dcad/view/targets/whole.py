@@ -14,6 +14,7 @@ from v3dcad.model import Floats, Ints, Layer, Placement
 from v3dcad.view.targets.one_layer import contours, walls_and_contours
 from v3dcad.view.targets.shown import Labels, Lines, Preview, Scale
 from v3dcad.view.vertical_cut import vertical_cut
+from v3dcad.words import counted
 
 MOST_LINES = 500_000
 """About how many lines are shown at most: of more, every so many layers are left out."""
@@ -143,7 +144,8 @@ _NONE = np.empty(0, np.int64)
 
 
 def _counted(layers: Sequence[Layer], step: int) -> str:
-    return f"{len(layers)} layers" if step == 1 else f"one in {step} of {len(layers)} layers"
+    whole = counted(len(layers), "layer")
+    return whole if step == 1 else f"one in {step} of {whole}"
 
 
 def _lifted(lines: Lines, above: float) -> Lines:

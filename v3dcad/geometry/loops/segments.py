@@ -1,0 +1,161 @@
+"""Segments in a grid of square bins: which lie near each other, in linear time."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray
+from v3dcad.geometry.compiled.options import INLINED, UNCOUNTED, compiled
+from v3dcad.model import Floats
+
+MOST = 2**20
+"""Bins, at most."""
+LEVEL = 1e-3
+"""mm: segments that rise less are level, as far as bins go."""
+
+
+class Segments(NamedTuple):
+    """Segments, and which of them come near each square of a grid."""
+
+    ends: FloatRows
+    """(n, 4) mm: x and y of where each begins, x and y of where it ends"""
+    frame: FloatArray
+    """(4,) mm: x and y of the grid's lower corner, the side of a bin, how near is near"""
+    shape: IntArray
+    """(2,) bins along x and y"""
+    first: IntArray
+    """(bins + 1,) where each bin's segments begin"""
+    items: IntArray
+    """(i,) the segments"""
+
+    @classmethod
+    def of(cls, start: Floats, stop: Floats, reach: float) -> Segments:
+        """Segments from `start` (n, 2) to `stop` (n, 2), mm, in all bins within `reach` of one.
+
+        Bins are about as large as a segment is long, on average, but not smaller than `reach`.
+        """
+        ends = np.empty((len(start), 4))
+        ends[:, :2], ends[:, 2:] = start, stop
+        frame, shape = np.array([0.0, 0, 1, reach]), np.ones(2, np.int64)
+        if len(ends):
+            _set_up(ends, frame, shape)
+        counts = np.zeros(int(shape[0] * shape[1]) + 1, np.int64)
+        _fill(ends, frame, shape, counts, np.empty(0, np.int64))
+        first = np.cumsum(counts) - counts
+        items = np.empty(int(first[-1]), np.int64)
+        _fill(ends, frame, shape, first.copy(), items)
+        return cls(ends, frame, shape, first, items)
+
+
+@compiled(INLINED)
+def bin_range(low: float, high: float, corner: float, per_mm: float, count: int) -> tuple[int, int]:
+    """The first and the last bin, along one axis, that low … high touches, of so many `per_mm`."""
+    first = math.floor((low - corner) * per_mm)
+    last = math.floor((high - corner) * per_mm)
+    return max(first, 0), min(last, count - 1)
+
+
+@compiled(INLINED)
+def _lean(ax: float, ay: float, bx: float, by: float) -> float:
+    """How far a → b goes along x for each mm along y; infinity if it stays in about one row."""
+    return (bx - ax) / (by - ay) if abs(by - ay) > LEVEL else math.inf
+
+
+@compiled(INLINED)
+def _row_span(
+    ax: float, ay: float, bx: float, by: float, lean: float, low: float, high: float
+) -> tuple[float, float]:
+    """From where to where along x a segment a → b runs while y is in low … high."""
+    left, right = min(ax, bx), max(ax, bx)
+    if lean == math.inf:
+        return left, right
+    one, other = ax + lean * (low - ay), ax + lean * (high - ay)
+    return max(left, min(one, other)), min(right, max(one, other))
+
+
+@compiled(INLINED)
+def beside(
+    segments: Segments,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    reach: float,
+    stamp: IntArray,
+    visit: int,
+    found: IntArray,
+) -> int:
+    """How many segments may come within `reach` of a → b, mm; `found` (n + 1,) has them in front.
+
+    They are all whose boxes come so near to that of a → b, and which share a bin with it. `stamp`
+    holds for each segment the last visit at which it was looked at: give another number each time.
+    """
+    frame, shape, ends = segments.frame, segments.shape, segments.ends
+    side, per_mm, beyond = frame[2], 1 / frame[2], max(reach - frame[3], 0.0)
+    west, east = min(ax, bx) - reach, max(ax, bx) + reach
+    south, north = min(ay, by) - reach, max(ay, by) + reach
+    count = 0
+    below, above = bin_range(min(ay, by) - beyond, max(ay, by) + beyond, frame[1], per_mm, shape[1])
+    lean = _lean(ax, ay, bx, by)
+    for row in range(below, above + 1):
+        y = frame[1] + row * side
+        left, right = _row_span(ax, ay, bx, by, lean, y - beyond, y + side + beyond)
+        begin, end = bin_range(left - beyond, right + beyond, frame[0], per_mm, shape[0])
+        if begin > end:
+            continue
+        # The bins of a row follow each other, and so do their segments.
+        for k in range(
+            segments.first[row * shape[0] + begin], segments.first[row * shape[0] + end + 1]
+        ):
+            other = segments.items[k]
+            # No branches here: a processor would guess them wrong half of the time.
+            new = stamp[other] != visit
+            stamp[other] = visit
+            cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+            across = (max(cx, dx) >= west) & (min(cx, dx) <= east)
+            along = (max(cy, dy) >= south) & (min(cy, dy) <= north)
+            found[count] = other
+            count += new & across & along
+    return count
+
+
+@compiled(UNCOUNTED)
+def _set_up(ends: FloatRows, frame: FloatArray, shape: IntArray) -> None:
+    """Lay the grid around segments: its corner, the side of a bin, how many there are."""
+    reach, length = frame[3], 0.0
+    left, low, right, high = ends[0, 0], ends[0, 1], ends[0, 0], ends[0, 1]
+    for k in range(len(ends)):
+        ax, ay, bx, by = ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3]
+        left, right = min(left, ax, bx), max(right, ax, bx)
+        low, high = min(low, ay, by), max(high, ay, by)
+        length += math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    left, low = left - reach, low - reach
+    wide, tall = right + reach - left, high + reach - low
+    side = max(length / len(ends), reach, math.sqrt(wide * tall / MOST), max(wide, tall) / MOST)
+    frame[0], frame[1], frame[2] = left, low, side
+    shape[0], shape[1] = max(math.ceil(wide / side), 1), max(math.ceil(tall / side), 1)
+
+
+@compiled(UNCOUNTED)
+def _fill(
+    ends: FloatRows, frame: FloatArray, shape: IntArray, place: IntArray, items: IntArray
+) -> None:
+    """Write each segment into its bins from `place` on; without room for items, only count."""
+    side, per_mm, reach = frame[2], 1 / frame[2], frame[3]
+    for k in range(len(ends)):
+        ax, ay, bx, by = ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3]
+        below, above = bin_range(
+            min(ay, by) - reach, max(ay, by) + reach, frame[1], per_mm, shape[1]
+        )
+        lean = _lean(ax, ay, bx, by)
+        for row in range(below, above + 1):
+            y = frame[1] + row * side
+            left, right = _row_span(ax, ay, bx, by, lean, y - reach, y + side + reach)
+            one, other = bin_range(left - reach, right + reach, frame[0], per_mm, shape[0])
+            for bin_ in range(row * shape[0] + one, row * shape[0] + other + 1):
+                if len(items) > 0:
+                    items[place[bin_]] = k
+                place[bin_] += 1
