@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from simulated_printer import Printer
 
+import v3dcad
 from v3dcad.errors import SettingError
 from v3dcad.formats.gcode.blocks import duration_text
 from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
@@ -36,7 +37,12 @@ def wide(**settings: Any) -> PrintSettings:
 
 
 def written(layers: list[Layer], *, thesis: bool = False, **settings: Any) -> tuple[str, Totals]:
-    options = wide(**settings)
+    return written_with(wide(**settings), layers, thesis=thesis)
+
+
+def written_with(
+    options: PrintSettings, layers: list[Layer], *, thesis: bool = False
+) -> tuple[str, Totals]:
     stream = io.StringIO()
     totals = write_gcode(stream, trace(layers, options, thesis=thesis), options)
     return stream.getvalue(), totals
@@ -456,28 +462,16 @@ def test_the_reader_agrees_with_the_writer(thesis: bool, arcs: bool, tmp_path: P
     assert found.extruded_mm == pytest.approx(sum(m.length for m in printer.printing()), rel=1e-4)
 
 
-@pytest.mark.parametrize("thesis", [False, True])
-def test_time_is_that_of_pygcodedecode(thesis: bool, tmp_path: Path) -> None:
+def seconds_by_pygcodedecode(text: str, settings: PrintSettings, folder: Path) -> float:
+    """From the first move at the part to the last: it counts neither homing nor the end block."""
     interpreter = pytest.importorskip("pyGCodeDecode.gcode_interpreter")
-    options = wide(
-        print_speed=40.0,
-        perimeter_speed=40.0,
-        travel_speed=120.0,
-        retraction=1.0,
-        corner_speed=5.0,
-    )
-    stream = io.StringIO()
-    totals = write_gcode(stream, trace(stack(3, 25), options, thesis=thesis), options)
-    # From the first move at the part to the last: it counts neither homing nor the end block.
-    body = stream.getvalue()
-    first = body.index("G0 X")
-    file = tmp_path / "a.gcode"
-    file.write_text(
-        "G21\nG90\nM82\nG92 E0\n" + body[first : body.index("M73 P100")], encoding="utf-8"
-    )
-    presets = tmp_path / "printer.yaml"
+    body = text[text.index("G0 X") : text.index("M73 P100")]
+    file, presets = folder / "a.gcode", folder / "printer.yaml"
+    file.write_text(f"G21\nG90\nM82\nG92 E0\n{body}", encoding="utf-8")
     presets.write_text(
-        "test:\n  nozzle_diam: 0.8\n  filament_diam: 1.75\n  p_vel: 40\n  p_acc: 500\n  jerk: 5\n"
+        f"test:\n  nozzle_diam: {settings.nozzle_diameter}\n  filament_diam: 1.75\n"
+        f"  p_vel: {settings.print_speed}\n  p_acc: {settings.acceleration}\n"
+        f"  jerk: {settings.corner_speed}\n"
         "  vX: 500\n  vY: 500\n  vZ: 500\n  vE: 500\n  firmware: junction_deviation\n",
         encoding="utf-8",
     )
@@ -487,8 +481,31 @@ def test_time_is_that_of_pygcodedecode(thesis: bool, tmp_path: Path) -> None:
     simulation = interpreter.simulation(
         gcode_path=file, initial_machine_setup=setup, verbosity_level=0
     )
-    theirs = simulation.blocklist[-1].get_segments()[-1].t_end
+    return float(simulation.blocklist[-1].get_segments()[-1].t_end)
+
+
+@pytest.mark.parametrize("thesis", [False, True])
+def test_time_is_that_of_pygcodedecode(thesis: bool, tmp_path: Path) -> None:
+    options = wide(
+        print_speed=40.0,
+        perimeter_speed=40.0,
+        travel_speed=120.0,
+        retraction=1.0,
+        corner_speed=5.0,
+    )
+    text, totals = written_with(options, stack(3, 25), thesis=thesis)
+    theirs = seconds_by_pygcodedecode(text, options, tmp_path)
     assert totals.time_s == pytest.approx(theirs, rel=0.05)
+
+
+def test_time_of_a_part_by_default_is_that_of_pygcodedecode(samples: Path, tmp_path: Path) -> None:
+    """With skins, foam, slow small layers, retraction, hop and wipe."""
+    structure = v3dcad.fill(samples / "wedge.step", layer_height=0.2, cell_size=5)
+    options = PrintSettings(z_hop=0.2, wipe=1.0, skirt_loops=0, prime_line=0.0)
+    text, totals = written_with(options, list(structure.layers)[:12])
+    assert totals.time_s > 60
+    theirs = seconds_by_pygcodedecode(text, options, tmp_path)
+    assert totals.time_s == pytest.approx(theirs, rel=0.01)
 
 
 def test_retractions_are_in_the_file_as_traced() -> None:
