@@ -102,10 +102,14 @@ def ordinary(cell_size: float) -> None:
     row("struts cut, mesh", lambda _: structure.strut_mesh(0.6, cut=True))
     row("struts cut, compound", lambda _: structure.struts(0.6, cut=True))
     row("60 struts fused in a plain loop", lambda _: fused_in_pairs(structure, 60))
-    row("beams, 3MF with fallback", lambda path: structure.write_3mf(path, diameter=0.6), ".3mf")
+    row(
+        "beams, 3MF with fallback",
+        lambda path: structure.write_3mf(path, "beams", diameter=0.6),
+        ".3mf",
+    )
     row(
         "beams, 3MF",
-        lambda path: structure.write_3mf(path, diameter=0.6, fallback=False),
+        lambda path: structure.write_3mf(path, "beams", diameter=0.6, fallback=False),
         ".3mf",
     )
     row("walls of zero thickness, STL", structure.write_stl, ".stl")

@@ -19,7 +19,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from build123d import Plane, Rectangle, extrude
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 import v3dcad
 
@@ -45,6 +45,16 @@ VIEWS: dict[str, dict[str, Any]] = {
     "one layer": {"target": "layer"},
     "toolpath": {"target": "toolpath"},
 }
+SEGMENTS = 500_000
+EXACTLY = """([kind, count]) => {
+    const { drawing, state } = v3dcad;
+    state.set({ target: "full", form: "walls" });
+    for (const one of ["strips", "walls", "contours", "struts", "ridges"]) {
+        drawing[one].show(one === kind);
+    }
+    drawing[kind].rows(0, count);
+}"""
+MOVE = "() => { v3dcad.stage.move(); for (let k = 0; k < 4; k++) v3dcad.stage.paced(1000); }"
 DRAW = """frames => {
     const { stage } = v3dcad;
     const gl = stage.renderer.getContext();
@@ -81,14 +91,27 @@ def measure(name: str, file: Path, chromium: Browser) -> list[str]:
     cells = []
     for values in VIEWS.values():
         tab.evaluate("values => v3dcad.state.set(values)", values)
-        tab.evaluate(DRAW, 1)
-        before = processor_time(chromium)
-        calls = tab.evaluate(DRAW, FRAMES)
-        taken = (processor_time(chromium) - before) / FRAMES
-        cells.append(f"{1000 * taken:.0f} ms, {calls}")
+        cells.append(frame(tab, chromium))
+    if edges > SEGMENTS:
+        for kind in ("strips", "walls"):
+            tab.evaluate(EXACTLY, [kind, SEGMENTS])
+            print(f"{SEGMENTS:,} {kind}: {frame(tab, chromium)}", end="; ")
+            tab.evaluate(MOVE)
+            print(f"in motion: {frame(tab, chromium)}")
+            tab.evaluate("() => v3dcad.stage.rest()")
+            tab.wait_for_timeout(1000)
     tab.close()
     size = f"{file.stat().st_size / 1e6:.1f} MB"
     return [name, f"{edges:,}", f"{steps:,}", size, f"{opened:.1f} s", *cells]
+
+
+def frame(tab: Page, chromium: Browser) -> str:
+    """The processor time of a frame, and its draw calls."""
+    tab.evaluate(DRAW, 1)
+    before = processor_time(chromium)
+    calls = tab.evaluate(DRAW, FRAMES)
+    taken = (processor_time(chromium) - before) / FRAMES
+    return f"{1000 * taken:.0f} ms, {calls}"
 
 
 def main() -> None:

@@ -117,12 +117,12 @@ ROOMS = (
     Room("voronoi/", ("geometry/voronoi",), 3, 628, 1, 100),
     Room("power_diagram/", ("geometry/power_diagram",), 2, 766, 1, 100),
     Room("compiled/", ("geometry/compiled",), 0, 904, 6, 46),
-    Room("model.py", ("model", "svg"), 0, 1002, 2, 56),
+    Room("model.py", ("model", "svg", "words"), 0, 1002, 2, 56),
     Room("settings.py", ("settings", "arguments"), 2, 1002, 2, 56),
     Room("errors.py", ("errors",), 4, 1002, 2, 56),
 )  # fmt: skip
 
-KNOWN_TO_ALL = ("model", "settings", "errors")
+KNOWN_TO_ALL = ("model", "settings", "errors", "words")
 
 STAGES = (
     ("Part", "file, shape or mesh", 0, 0),

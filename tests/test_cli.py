@@ -249,7 +249,7 @@ def test_a_mesh_with_a_hole_is_mended_where_asked(
     fill = ("fill", tmp_path / "a.stl", "--layer-height", 10, "--report", tmp_path / "a.json")
     assert "3 boundary edges" in mistake(capsys, *fill)
     done = run(*fill, "--repair", "--as-brep")
-    assert "note          closed 1 holes with" in done.stdout
+    assert "note          closed 1 hole with" in done.stdout
     assert "note          made a B-rep of 6 plane faces of 12 triangles" in done.stdout
 
 

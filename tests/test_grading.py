@@ -39,7 +39,7 @@ def test_distances_from_faces_are_those_of_the_kernel() -> None:
         known = flat if isinstance(flat, list) else [top]
         wanted = [min(face.distance_to(Vertex(*at)) for face in known) for at in places()]
         found = v3dcad.distance_to(faces)(*places().T)
-        np.testing.assert_allclose(found, wanted, atol=0.15)
+        np.testing.assert_allclose(found, wanted, atol=0.05)
 
 
 def test_a_size_near_faces() -> None:
@@ -47,7 +47,7 @@ def test_a_size_near_faces() -> None:
     away = np.hypot(places()[:, 0] - 100, places()[:, 1] - 20) - 4
     share = np.clip(np.abs(away) / 6, 0, 1)
     size = v3dcad.near_faces(holes, size=2, far=5, within=6)
-    np.testing.assert_allclose(size(*places().T), 2 + 3 * share, atol=0.1)
+    np.testing.assert_allclose(size(*places().T), 2 + 3 * share, atol=0.05)
     soft = v3dcad.near_faces(holes, size=2, far=5, within=6, smooth=True)
     wanted = 2 + 3 * share**2 * (3 - 2 * share)
     np.testing.assert_allclose(soft(*places().T), wanted, atol=0.1)

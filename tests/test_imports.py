@@ -12,12 +12,13 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "v3dcad"
 
 RIM = {"kernel", "formats", "printer", "view"}
-INSIDE = {"geometry", "model", "settings", "arguments", "errors"}
+INSIDE = {"geometry", "model", "settings", "arguments", "errors", "words"}
 MAY_IMPORT = {
     "errors": set(),
+    "words": set(),
     "settings": {"errors"},
     "svg": set(),
-    "model": {"errors", "settings", "svg"},
+    "model": {"errors", "settings", "svg", "words"},
     "signatures": {"errors", "settings"},
     "arguments": {"errors", "model"},
     "files": {"errors"},
@@ -101,7 +102,7 @@ MAY_IMPORT = {
         "watched",
         "toolpath",
     },
-    "warm_up": {"formats", "kernel", "parts", "pipeline"},
+    "warm_up": {"geometry"},
     "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
     "__init__": INSIDE

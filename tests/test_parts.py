@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import v3dcad
 from tests.parts import part_file
 from v3dcad.formats.mesh.stl import binary_stl
-from v3dcad.model import Mesh
+from v3dcad.model import Mesh, size_words
 
 pytestmark = pytest.mark.slow
 
@@ -91,7 +91,7 @@ def test_threemf_is_flattened_with_its_placements(tmp_path: Path) -> None:
     # A cube of 1, and two of 2 (one of them mirrored), in cm.
     assert volume(part) == pytest.approx((1 + 8 + 8) * 1000)
     assert part.bounds == pytest.approx(np.array([[0, -40, 0], [100, 20, 70]]))
-    assert part.findings == ("1 support objects were left out",)
+    assert part.findings == ("left out 1 support object",)
 
 
 def test_threemf_bombs_and_ruins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -196,7 +196,7 @@ def test_obj_of_polygons(tmp_path: Path) -> None:
     part = v3dcad.part_from(path)
     x, y = np.array(arrow).T
     assert volume(part) == pytest.approx((x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
-    assert part.findings == ("1 free-form curves and surfaces were left out",)
+    assert part.findings == ("left out 1 free-form element",)
     (section,) = part.sections(np.array([0.5]))
     assert len(section.rings) == 1
 
@@ -250,7 +250,7 @@ def test_holes_are_refused_or_patched(tmp_path: Path) -> None:
         v3dcad.part_from(path)
     part = v3dcad.part_from(path, repair=True)
     assert volume(part) == pytest.approx(1)
-    assert part.findings[0] == "closed 1 holes with 1 mm² of triangles"
+    assert part.findings[0] == "closed 1 hole with 1 mm² of triangles"
     inside_out = Mesh(CUBE.vertices, CUBE.triangles[:, ::-1])
     part = v3dcad.part_from(inside_out)
     assert volume(part) == pytest.approx(1)
@@ -345,6 +345,12 @@ def test_a_part_of_an_unlikely_size_is_told() -> None:
     assert v3dcad.part_from(Mesh(CUBE.vertices * 3, CUBE.triangles)).findings == ()
     (large,) = v3dcad.part_from(Mesh(CUBE.vertices * 3001, CUBE.triangles)).findings
     assert large == "3001 mm long: in another unit? --scale 0.001 makes it smaller"
+
+
+def test_a_size_is_told_to_a_hundredth_of_a_millimetre() -> None:
+    sides = [44, 40.987654321, 0.001234567]
+    part = v3dcad.part_from(Mesh(CUBE.vertices * sides, CUBE.triangles))
+    assert size_words(part) == "44 × 40.99 × 0.00123457 mm"
 
 
 def test_an_ont_of_a_part_in_inches_makes_the_same_again(tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def test_values_show_what_they_are_in_a_line(samples: Path) -> None:
         (structure, f"<Structure of {part}: 10 layers, foam>"),
         (structure.layers, "<10 layers>"),
         (layer, f"<Layer 2 at z 12.5 mm: {cells} cells>"),
-        (layer.section, f"<Section at z 12.5 mm: 1 rings, {points} points>"),
+        (layer.section, f"<Section at z 12.5 mm: 1 ring, {points} points>"),
         (layer.diagram, f"<Diagram of {cells} cells: {len(layer.diagram.edges)} edges>"),
         (structure.part, f"<MeshPart {part}: 12 triangles>"),
         (structure.recipe(), "<Recipe of 'pyramid': foam, 10 layers>"),

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
 from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
+from v3dcad.words import counted
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -71,7 +72,7 @@ class Mesh(Value):
     """(t, 3) vertex ids"""
 
     def __repr__(self) -> str:
-        return f"<Mesh of {len(self.triangles)} triangles>"
+        return f"<Mesh of {counted(len(self.triangles), 'triangle')}>"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -151,8 +152,8 @@ class Section(Value):
     _repr_svg_ = svg
 
     def __repr__(self) -> str:
-        points = sum(map(len, self.rings))
-        return f"<Section at z {self.z:g} mm: {len(self.rings)} rings, {points} points>"
+        points = counted(sum(map(len, self.rings)), "point")
+        return f"<Section at z {self.z:g} mm: {counted(len(self.rings), 'ring')}, {points}>"
 
 
 def part_words(part: Part) -> str:
@@ -161,8 +162,9 @@ def part_words(part: Part) -> str:
 
 
 def size_words(part: Part) -> str:
-    """A part's size in words, such as "60 × 40 × 48 mm"."""
-    return " × ".join(f"{side:.6g}" for side in np.ptp(part.bounds, axis=0)) + " mm"
+    """A part's size in words, such as "60 × 40 × 48 mm"; hundredths are enough above 1 mm."""
+    sides = np.ptp(part.bounds, axis=0).tolist()
+    return " × ".join(f"{round(side, 2) if side >= 1 else side:.6g}" for side in sides) + " mm"
 
 
 class Part(Protocol):
@@ -266,7 +268,8 @@ class Diagram(Value):
     """(m, 2) site ids, i < j: pairs that share an edge inside the section"""
 
     def __repr__(self) -> str:
-        return f"<Diagram of {len(self.sites())} cells: {len(self.edges)} edges>"
+        edges = counted(len(self.edges), "edge")
+        return f"<Diagram of {counted(len(self.sites()), 'cell')}: {edges}>"
 
     def inner(self) -> NDArray[np.bool_]:
         """(e,) which edges separate two cells (the others lie on the section's boundary)."""
@@ -347,7 +350,8 @@ class Layer(Value):
     """section area ÷ number of cells, mm²"""
 
     def __repr__(self) -> str:
-        return f"<Layer {self.index} at z {self.z:g} mm: {len(self.diagram.sites())} cells>"
+        cells = counted(len(self.diagram.sites()), "cell")
+        return f"<Layer {self.index} at z {self.z:g} mm: {cells}>"
 
     @property
     def tree(self) -> Ints:
@@ -399,7 +403,7 @@ class Toolpath(Value):
     """(p, 2) mm, centre of the circle that the step follows; NaN where it is straight"""
 
     def __repr__(self) -> str:
-        return f"<Toolpath of {len(self.points)} points>"
+        return f"<Toolpath of {counted(len(self.points), 'point')}>"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -412,7 +416,7 @@ class Brep(Value):
     """(2, 3) least and greatest coordinates, mm"""
 
     def __repr__(self) -> str:
-        return f"<Brep of {len(self.data)} bytes>"
+        return f"<Brep of {counted(len(self.data), 'byte')}>"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -466,5 +470,5 @@ class Recipe(Value):
     """what wrote it; empty for the thesis's form"""
 
     def __repr__(self) -> str:
-        layers = f", {self.checksum.layers} layers" if self.checksum else ""
+        layers = f", {counted(self.checksum.layers, 'layer')}" if self.checksum else ""
         return f"<Recipe of {self.name!r}: {self.settings.method}{layers}>"

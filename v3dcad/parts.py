@@ -17,6 +17,7 @@ from v3dcad.formats.mesh.stl import normals, read_stl
 from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section, part_words
 from v3dcad.settings import UNITS
 from v3dcad.sources import library_of, mesh_in, shapes_in
+from v3dcad.words import counted
 
 if TYPE_CHECKING:
     from v3dcad.kernel.part import SolidPart
@@ -43,7 +44,7 @@ class MeshPart:
     """the CAD library that its shapes are given back to"""
 
     def __repr__(self) -> str:
-        return f"<MeshPart {part_words(self)}: {len(self.surface.triangles)} triangles>"
+        return f"<MeshPart {part_words(self)}: {counted(len(self.surface.triangles), 'triangle')}>"
 
     @property
     def bounds(self) -> Floats:

@@ -59,6 +59,7 @@ from v3dcad.structure.thesis.loop import ThesisFilling
 from v3dcad.structure.walls import StrutAxes, Walls
 from v3dcad.version import VERSION
 from v3dcad.views import Views
+from v3dcad.words import counted
 
 if TYPE_CHECKING:
     from v3dcad.geometry.solid.facets import Facets
@@ -88,7 +89,7 @@ class Structure(Forms, Views, Pages):
     """what it will take as printed, where its cell size was found for a density or a mass"""
 
     def __repr__(self) -> str:
-        what = f"{len(self.layers)} layers, {self.settings.method}"
+        what = f"{counted(len(self.layers), 'layer')}, {self.settings.method}"
         return f"<Structure of {part_words(self.part)}: {what}>"
 
     @property

@@ -17,6 +17,7 @@ from v3dcad.model import Floats, Part, Placement, Section, part_words
 from v3dcad.parts import part_from
 from v3dcad.settings import SectionSettings
 from v3dcad.structure.placement import layer_heights, on_bed, turned, upward
+from v3dcad.words import counted
 
 BATCH = 256
 """Sections computed at a time when all are gone through."""
@@ -66,7 +67,7 @@ class Sections(Sequence[Section]):
     executor: Executor | None = None
 
     def __repr__(self) -> str:
-        return f"<{len(self)} sections of {part_words(self.part)}>"
+        return f"<{counted(len(self), 'section')} of {part_words(self.part)}>"
 
     def __len__(self) -> int:
         return len(self.heights)

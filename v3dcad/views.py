@@ -16,6 +16,7 @@ from v3dcad.model import Layer, Part, Placement, size_words
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.view.targets.preview import preview
 from v3dcad.view.targets.shown import Preview
+from v3dcad.words import counted
 
 if TYPE_CHECKING:
     from v3dcad.report import Print
@@ -73,7 +74,8 @@ class Views(Protocol):
         thesis = self.settings.method == "thesis"
         # Nothing is traced yet.
         toolpaths = trace(self.layers, printing or PrintSettings(), thesis=thesis)
-        return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths)
+        span = self.settings.layer_span()
+        return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths, span)
 
     def picture(
         self,
@@ -165,7 +167,7 @@ class Views(Protocol):
 
     def _facts(self, cells: int, printed: Print | None) -> str:
         """What the title of a picture tells of the structure."""
-        facts = [size_words(self.part), f"{cells:,} cells"]
+        facts = [size_words(self.part), counted(cells, "cell")]
         if printed is not None:
             from v3dcad.report import hours_text
 

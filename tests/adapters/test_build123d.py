@@ -142,8 +142,8 @@ def test_whatever_holds_a_solid_is_a_part(source) -> None:
     [
         (BuildPart, "BuildPart has built nothing yet"),
         (Part, "this Part holds no shape"),
-        (lambda: Rectangle(1, 2), "no solid, only 1 faces that enclose nothing"),
-        (lambda: Shell(box().faces()[:5]), "only 5 faces that enclose nothing"),
+        (lambda: Rectangle(1, 2), "no solid, only 1 face without an inside"),
+        (lambda: Shell(box().faces()[:5]), "only 5 faces without an inside"),
         (lambda: [box(), 3], "int cannot be filled: give a path, a solid, a list of solids"),
         (lambda: Location((1, 2, 3)), "Location cannot be filled"),
         (lambda: trimesh.PointCloud([(1, 2, 3)]), "PointCloud cannot be filled"),

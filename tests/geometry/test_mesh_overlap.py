@@ -103,3 +103,11 @@ def test_sound_meshes_share_nothing() -> None:
     assert overlap_volume(ball) == 0.0
     hollow = together(ball, Mesh(ball.vertices / 2, ball.triangles[:, ::-1]))
     assert overlap_volume(hollow) == 0.0
+
+
+def test_an_overlap_of_rounding_is_none() -> None:
+    box = trimesh.creation.box([4, 4, 4])
+    for shift, shared in ((4 - 1e-3, 16e-3), (4 - 1e-10, 0.0)):
+        beside = Mesh(np.add(box.vertices, [shift, 0, 0]), np.array(box.faces))
+        found = overlap_volume(together(as_mesh(box), beside))
+        assert found == pytest.approx(shared, rel=1e-6)

@@ -49,6 +49,29 @@ def test_unions_of_polygons_are_those_of_shapely(seed: int, count: int) -> None:
     ).area == pytest.approx(0, abs=1e-6)
 
 
+@given(st.integers(0, 10**9))
+def test_rings_that_lie_apart_are_united_apart(seed: int) -> None:
+    """Copies of crossing squares far from each other, in any order, beside a sound ring."""
+    random = np.random.default_rng(seed)
+    pair = [SQUARE, SQUARE + random.uniform(1, 3, 2)]
+    copies = [np.add(ring, [20.0 * k, 7.0 * k]) for k in range(3) for ring in pair]
+    lone = SQUARE - 50
+    rings = [copies[k] for k in random.permutation(6)]
+    rings.insert(int(random.integers(7)), lone)
+    found = union(Section(1.0, tuple(rings)), 0.0)
+    assert found.z == 1.0
+    assert total(found) == pytest.approx(3 * total(union(Section(0.0, tuple(pair)), 0.0)) + 16)
+    assert any(np.array_equal(ring, lone) for ring in found.rings)
+    assert len(found.rings) == 4
+
+
+def test_rings_that_touch_are_united_where_it_is_asked_for() -> None:
+    section = Section(0.0, (SQUARE, np.add(SQUARE, [4.0, 0.0])))
+    assert union(section, 0.0, touching=False) is section
+    (ring,) = union(section, 0.0).rings
+    assert ring_area(ring) == pytest.approx(32)
+
+
 @given(st.integers(0, 10**9), st.integers(5, 30))
 def test_a_ring_through_itself_is_what_it_winds_around(seed: int, count: int) -> None:
     """Pieces between a ring's own crossings count where its winding number, by angles, is not 0."""

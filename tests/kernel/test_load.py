@@ -69,7 +69,7 @@ def test_assemblies_are_flattened_with_their_placements(tmp_path: Path) -> None:
 def test_stray_faces_are_told_and_left_out() -> None:
     sheet = next(subshapes(shapes.box((5, 5, 5), (9, 9, 9)), FACE))
     part = solid_part(compound([shapes.box((0, 0, 0), (1, 1, 1)), sheet]), "a", "a")
-    assert part.findings == ("1 faces belong to no solid and were left out",)
+    assert part.findings == ("left out 1 face of no solid",)
     assert part.bounds == pytest.approx(np.array([[0, 0, 0], [1, 1, 1]]))
 
 
@@ -99,10 +99,10 @@ def test_faults_are_healed_and_told() -> None:
     [
         (
             next(subshapes(shapes.box((0, 0, 0), (1, 1, 1)), FACE)),
-            "only 1 faces that enclose nothing: 4 of",
+            "only 1 face without an inside, with 4 open edges",
         ),
         (compound([]), "contains no solid and no face"),
-        (next(subshapes(open_solid(), FACE)), "enclose nothing"),
+        (next(subshapes(open_solid(), FACE)), "without an inside"),
     ],
 )
 def test_what_is_no_solid_is_named(shape, says: str) -> None:
@@ -111,7 +111,7 @@ def test_what_is_no_solid_is_named(shape, says: str) -> None:
 
 
 def test_an_open_shell_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(v3dcad.KernelError, match=r"a file: .*not closed: 4 stretches"):
+    with pytest.raises(v3dcad.KernelError, match=r"a file: .*not closed, .* along 4 stretches"):
         solid_part(open_solid(), "a", "a file")
     write_step([Named("open", open_solid())], tmp_path / "open.step", "open")
     with pytest.raises(v3dcad.KernelError, match=r"open\.step: "):
@@ -137,13 +137,13 @@ def without(word: bytes, path: Path, samples: Path) -> Path:
 @pytest.mark.parametrize("word", [b"CARTESIAN_POINT", b"VECTOR", b"DIRECTION"])
 def test_what_cannot_be_read_of_a_file_is_told(word: bytes, samples: Path, tmp_path: Path) -> None:
     part = v3dcad.part_from(without(word, tmp_path / "a.step", samples))
-    assert part.findings[0] == "1 entities of the file could not be read"
+    assert part.findings[0] == "1 entity of the file could not be read"
 
 
 @pytest.mark.parametrize(
     ("word", "says"),
     [
-        (b"ADVANCED_FACE", "only 14 faces that enclose nothing"),
+        (b"ADVANCED_FACE", "only 14 faces without an inside"),
         (b"EDGE_CURVE", "the part is not closed"),
     ],
 )

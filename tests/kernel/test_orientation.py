@@ -1,4 +1,4 @@
-"""Solids inside out, mirrored or scaled by their location, loose faces: by OCCT's transforms."""
+"""Solids inside out, mirrored or scaled by their location: by OCCT's transforms."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ import pytest
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Shape
 
 from tests.kernel import shapes
 from v3dcad.kernel.part import solid_part
-from v3dcad.kernel.shapes import FACE, SHELL, compound, measured, subshapes, volume
+from v3dcad.kernel.shapes import compound, measured, volume
 
 BRACKET = shapes.cut(shapes.box((0, 0, 0), (20, 10, 8)), shapes.cylinder(2, 8, (15, 4, 0)))
 
@@ -58,15 +57,3 @@ def test_a_solid_inside_out_is_turned() -> None:
     (section,) = part.sections(np.array([4.0]))
     (same,) = solid_part(BRACKET, "a", "a").sections(np.array([4.0]))
     assert sorted(map(len, section.rings)) == sorted(map(len, same.rings))
-
-
-def shells() -> list[TopoDS_Shape]:
-    return [next(subshapes(BRACKET, SHELL)), compound(subshapes(BRACKET, FACE))]
-
-
-@pytest.mark.parametrize("shape", [*shells(), *(shell.Reversed() for shell in shells())])
-def test_faces_that_enclose_are_sewn(shape: TopoDS_Shape) -> None:
-    part = solid_part(shape, "a", "a")
-    assert part.findings == ("sewed 7 faces, which no solid had, to 1 solids",)
-    assert volume(part.shape) == pytest.approx(volume(BRACKET))
-    assert volume(part.shape) > 0

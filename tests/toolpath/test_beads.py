@@ -322,8 +322,8 @@ def test_what_is_too_narrow_is_reported() -> None:
     _, (report,) = traced(made)
     assert report.narrow_area == pytest.approx(0.5 * 4, rel=0.05)
     assert findings([report]) == [
-        "2.00 mm² of 1 layers are too narrow for a bead and stay empty; "
-        "use a narrower bead, or --contour centre"
+        "2.00 mm² on 1 layer stay empty, too narrow for a bead; use a narrower bead, or "
+        "--contour centre"
     ]
 
 
@@ -331,8 +331,7 @@ def test_joined_edges_are_a_finding() -> None:
     _, reports = traced(layer(scattered(60, 10, 3), square(10)), minimum_edge=0.5)
     assert reports[0].joined_edges > 0
     assert findings(reports) == [
-        f"{reports[0].joined_edges} edges shorter than --minimum-edge were joined "
-        "to their neighbours"
+        f"joined {reports[0].joined_edges} edges shorter than --minimum-edge to the neighbours"
     ]
 
 

@@ -57,4 +57,4 @@ def test_no_layer_is_slower_than_the_slowest_speed_and_the_user_is_told() -> Non
     for path, report in zip(paths, reports, strict=True):
         assert (path.speed[path.kind == EXTRUDE] == 7.0).all()
         assert report.hurried
-    assert findings(reports)[-1].startswith("4 layers take less than --minimum-layer-time")
+    assert findings(reports)[-1].startswith("--minimum-layer-time is more than 4 layers")

@@ -15,7 +15,13 @@ from v3dcad.errors import GeometryError
 from v3dcad.model import BRIM, EXTRUDE, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
-from v3dcad.toolpath.first_layer import brim_width, stand_width, stands_badly
+from v3dcad.toolpath.first_layer import (
+    RESOLUTION,
+    brim_width,
+    cuts,
+    stand_width,
+    stands_badly,
+)
 from v3dcad.toolpath.report import LayerReport, findings
 
 
@@ -110,3 +116,14 @@ def test_layers_that_do_not_ascend_are_refused() -> None:
     made = cone([5, 5])
     with pytest.raises(GeometryError, match="ascending"):
         traced([made[1], made[0]])
+
+
+def test_areas_have_no_corners_that_gcode_cannot_tell_from_a_line() -> None:
+    angle = 2 * np.pi * np.arange(6000) / 6000
+    disc_ring = 15 * np.column_stack([np.cos(angle), np.sin(angle)])
+    (cut,) = cuts([Section(0.0, (disc_ring,))], PrintSettings())
+    given = shapely.polygons(disc_ring)
+    assert shapely.get_num_coordinates(cut.area) < 1000
+    assert shapely.hausdorff_distance(cut.area, given) <= RESOLUTION
+    (same,) = cuts([Section(0.0, (np.array([[0.0, 0], [5, 0], [5, 5], [0, 5]]),))], PrintSettings())
+    assert shapely.get_num_coordinates(same.area) == 5

@@ -187,3 +187,20 @@ def test_bridges_are_laid_across_walls(turned: int) -> None:
              for y in range(-11, 12, 2)]  # fmt: skip
     ends = np.array([shapely.get_coordinates(wall) for wall in walls])
     assert direction(area, Held(shapely.Polygon(), ends, 0.4), W) == (turned + 90) % 180
+
+
+@pytest.mark.parametrize("turned", [0, 30, 105])
+def test_what_lies_far_from_a_bridge_does_not_turn_it(turned: int) -> None:
+    from shapely.affinity import rotate
+
+    def placed(shape: shapely.Geometry) -> shapely.Geometry:
+        return rotate(shape, turned, origin=(0, 0))
+
+    area = placed(shapely.box(-12, -3, 12, 3))
+    banks = placed(shapely.box(-13, 2, 13, 4)).union(placed(shapely.box(-13, -4, 13, -2)))
+    far = shapely.union_all([shapely.box(x, 20, x + 1, 90) for x in range(-60, 60, 2)])
+    wall = np.array([[[-40.0, 30], [40, 35]], [[-2.0, 0], [2, 0]]])
+    near = Held(banks, wall[1:], 0.4)
+    expected = direction(area, near, W)
+    assert direction(area, Held(banks.union(far), wall, 0.4), W) == expected
+    assert shapely.get_num_coordinates(Held(banks.union(far), wall, 0.4).near(area, W).solid) < 30

@@ -22,13 +22,15 @@ from tests.view.similarity import similarity
 from v3dcad import PrintSettings
 from v3dcad.errors import SettingError
 from v3dcad.formats.gcode.blocks import Totals
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Diagram, Floats, Layer
 from v3dcad.report import Print
 from v3dcad.view import picture as painting
 from v3dcad.view.outline import outline
-from v3dcad.view.perspective import Eye, Strips, contour_strips, wall_strips
+from v3dcad.view.perspective import Areas, Eye, Strips, contour_strips, wall_strips
 from v3dcad.view.picture import choose
 from v3dcad.view.targets.declared import TARGETS
+from v3dcad.view.trimming import HAIR, trimmed
 
 pytestmark = pytest.mark.slow
 
@@ -38,10 +40,15 @@ def above(layer: Layer) -> tuple[float, float]:
     return layer.z, layer.z + 0.5
 
 
+def strips_of(layer: Layer, span: tuple[float, float], corner: Floats | None = None) -> Strips:
+    """A layer's wall strips, where the sides of the part are upright."""
+    zeros = np.zeros(len(layer.diagram.edges))
+    return wall_strips(layer, span, zeros, corner, Areas(*3 * [section_area(layer.section)]))
+
+
 def strips(layer: Layer, corner: Floats | None = None) -> Floats:
     """The corners of a layer's wall strips, 0.5 mm high."""
-    zeros = np.zeros(len(layer.diagram.edges))
-    return wall_strips(layer, above(layer), zeros, corner).corners
+    return strips_of(layer, above(layer), corner).corners
 
 
 def corners_by_sites(diagram: Diagram) -> dict[tuple[int, ...], Floats]:
@@ -64,9 +71,7 @@ def test_strips_lean_as_the_walls_do(higher: float) -> None:
     here, there = (
         corners_by_sites(diagram) for diagram in (layer.diagram, pyramid().at(layer.z + higher))
     )
-    zeros = np.zeros(len(layer.diagram.edges))
-    painted = wall_strips(layer, (layer.z - 0.5, layer.z + 0.5), zeros, None).corners
-    painted = painted.reshape(-1, 3)
+    painted = strips_of(layer, (layer.z - 0.5, layer.z + 0.5)).corners.reshape(-1, 3)
     ends = painted[painted[:, 2] == layer.z + higher][:, :2]
     checked = 0
     for sites in here.keys() & there.keys():
@@ -106,12 +111,65 @@ def test_just_the_nearest_quarter_is_cut_away(corner: tuple[float, float]) -> No
 
 def test_cut_sides_stand_on_the_planes_of_the_cut() -> None:
     layer = pyramid().layers[LAYER]
-    zeros = np.zeros(len(layer.diagram.edges))
-    sides = wall_strips(layer, above(layer), zeros, np.zeros(2)).sides()
+    sides = strips_of(layer, above(layer), np.zeros(2)).sides()
     assert len(sides) > 3
     assert np.abs(sides[:, 0, :2]).min(axis=1).max() < 1e-9
     assert (sides[:, 1, 2] == layer.z + 0.5).all()
-    assert not len(wall_strips(layer, above(layer), zeros, None).sides())
+    assert not len(strips_of(layer, above(layer)).sides())
+
+
+@pytest.mark.parametrize("file", ["pyramid.stl", "cone.step"])
+@pytest.mark.parametrize("height", [0.4, 3.0])
+def test_walls_stay_in_the_part(
+    file: str, height: float, samples: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where its sides slope and layers are high; the mesh of the part is the oracle."""
+    drawn = []
+
+    def seen(*arguments: object) -> Strips:
+        found = wall_strips(*arguments)  # type: ignore[arg-type]
+        drawn.append(found.corners)
+        return found
+
+    monkeypatch.setattr(painting, "wall_strips", seen)
+    structure = v3dcad.fill(samples / file, cell_size=8, layer_height=height)
+    structure.picture()
+    mesh = structure.part.mesh()
+    body = trimesh.Trimesh(mesh.vertices, mesh.triangles)
+    corners = np.concatenate(drawn).reshape(-1, 3)
+    assert len(corners) > 500
+    for z in np.unique(corners[:, 2])[:-1]:  # the last layer is upright, up to the top
+        near = np.clip([z - 1e-3, z + 1e-3], 1e-3, mesh.vertices[:, 2].max() - 1e-3)
+        part = shapely.union_all([mesh_section(body, height) for height in near])
+        points = shapely.points(corners[corners[:, 2] == z, :2])
+        assert shapely.distance(points, part).max() < 0.05
+
+
+def mesh_section(body: trimesh.Trimesh, z: float) -> shapely.Geometry:
+    """The area in which a plane cuts a mesh, by trimesh and shapely."""
+    lines = trimesh.intersections.mesh_plane(body, [0, 0, 1], [0, 0, z])[:, :, :2]
+    return shapely.build_area(shapely.union_all(shapely.linestrings(lines), grid_size=1e-6))
+
+
+def test_edges_are_trimmed_to_their_longest_piece_in_an_area() -> None:
+    """Against shapely's own intersection, and by cases that are worked out by hand."""
+    area = shapely.box(0, 0, 10, 10).difference(shapely.box(4, 4, 5, 6))
+    edges = np.random.default_rng(4).uniform(-2, 12, (400, 2, 2))
+    found = trimmed(edges, area)
+    pieces = shapely.intersection(shapely.linestrings(edges), area)
+    inside = shapely.contains_xy(area, *np.moveaxis(edges, 2, 0)).all(axis=1)
+    np.testing.assert_array_equal(found[inside], edges[inside])
+    assert 50 < inside.sum() < 300
+    for edge, kept, piece in zip(edges[~inside], found[~inside], pieces[~inside], strict=True):
+        longest = max((part.length for part in shapely.get_parts(piece)), default=0.0)
+        assert np.linalg.norm(kept[1] - kept[0]) == pytest.approx(longest, abs=HAIR * 20)
+        assert (kept[1] - kept[0]) @ (edge[1] - edge[0]) >= 0
+        assert shapely.distance(shapely.points(kept), area).max() < HAIR * 20
+    np.testing.assert_allclose(trimmed(np.array([[[5.0, 2], [14, 2]]]), area), [[[5, 2], [10, 2]]])
+    far = np.array([[[12.0, 3], [14, 3]]])
+    np.testing.assert_allclose(trimmed(far, area), [[[10, 3], [10, 3]]])
+    np.testing.assert_array_equal(trimmed(far, area, 1.9), far)
+    np.testing.assert_array_equal(trimmed(far, shapely.Polygon()), far)
 
 
 def test_contours_stand_upright() -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
+import shapely
 
 from tests.diagrams import square
 from tests.structure.test_fill import foam, stack
@@ -55,13 +54,6 @@ def sliced(walls: Walls, y: float) -> list[tuple[Floats, Floats]]:
     return found
 
 
-def in_part(name: str, x: float, y: float, z: float) -> float:
-    """How far inside the part a point lies at its height, mm; below 0 outside."""
-    reach = max(abs(x), abs(y))
-    half = HALF - z / 2 if name == "pyramid" else HALF
-    return min(half - reach, reach - HOLE) if name == "holed" else half - reach
-
-
 def lines_of(cut: VerticalCut, pairs: np.ndarray) -> Floats:
     """(m, 2, 2) x and z of the ends of lines, the lower first."""
     return cut.points[pairs][:, :, [0, 2]]
@@ -70,32 +62,30 @@ def lines_of(cut: VerticalCut, pairs: np.ndarray) -> Floats:
 @pytest.mark.parametrize("y", [0.0, 1.234, -7.3, 4.0])
 @pytest.mark.parametrize("name", FILLINGS)
 def test_walls_are_where_the_plane_cuts_those_in_space(name: str, y: float) -> None:
-    """A wall that passes two layers inside the part is drawn between them, and no other."""
-    layers = list(FILLINGS[name].layers)
-    cut = vertical_cut(iter(layers), y)
-    found = {tuple(np.round(line.ravel(), 3).tolist()): line for line in lines_of(cut, cut.walls)}
-    assert len(found) == len(cut.walls) > 40
-    near = 1e-4
-    sure: list[Floats] = []
-    perhaps: list[Floats] = []
-    for low, high in sliced(FILLINGS[name].walls, y):
-        for below, above in pairwise(layers):
-            zs = np.array([below.z, above.z])
-            if zs[0] < low[1] - near or zs[1] > high[1] + near:
-                continue
-            x = low[0] + (zs - low[1]) / (high[1] - low[1]) * (high[0] - low[0])
-            inside = min(in_part(name, x[k], y, zs[k]) for k in range(2))
-            if inside > -near:
-                clear = inside > near and zs[0] > low[1] + near and zs[1] < high[1] - near
-                (sure if clear else perhaps).append(np.column_stack([x, zs]))
-    every = lines_of(cut, cut.walls).reshape(-1, 4)
-    for line in sure:
-        assert np.abs(every - line.ravel()).max(axis=1).min() < 1e-5
-    possible = np.reshape([*sure, *perhaps], (-1, 4))
-    for line in every:
-        assert np.abs(possible - line).max(axis=1).min() < 1e-5
-    assert len(sure) > 0.8 * len(every)
+    """Every line is a piece of a wall's, and nearly all of the walls in the part are drawn."""
+    cut = vertical_cut(iter(FILLINGS[name].layers), y)
+    every = shapely.linestrings(lines_of(cut, cut.walls))
+    straight = [np.array([low, high]) for low, high in sliced(FILLINGS[name].walls, y)]
+    walls = shapely.intersection(shapely.linestrings(straight), outline(name, y))
+    there = shapely.union_all(walls)
+    beyond = shapely.length(shapely.difference(every, there.buffer(1e-4)))
+    assert len(every) > 40
+    assert beyond.max() < STEP / 2  # only because of cells that lie between two layers
+    assert beyond.sum() < 0.005 * shapely.length(every).sum()
+    missed = shapely.length(shapely.difference(there, shapely.union_all(every).buffer(1e-4)))
+    assert missed < 0.01 * shapely.length(there)
     assert (cut.points[:, 1] == y).all()
+
+
+def outline(name: str, y: float) -> shapely.Geometry:
+    """The part in the plane, from its first section to its last: x and z."""
+    top = LEVELS[-1]
+    narrow = HALF - top / 2 if name == "pyramid" else HALF
+    part = shapely.polygons([(-HALF, 0), (HALF, 0), (narrow, top), (-narrow, top)])
+    if name == "pyramid":
+        part = part.intersection(shapely.box(-HALF, 0, HALF, 2 * (HALF - abs(y))))
+    hole = shapely.box(-HOLE, -1, HOLE, top + 1)
+    return part.difference(hole) if name == "holed" and abs(y) < HOLE else part
 
 
 @pytest.mark.parametrize(
@@ -130,11 +120,32 @@ def test_contours_end_where_a_tower_does() -> None:
     sections = [*stack(towers, 3, 1.0), Section(3.0, towers[:1]), Section(4.0, towers[:1])]
     cut = vertical_cut(foam(sections, SITES, layer_height=1.0).layers)
     found = lines_of(cut, cut.contours)
-    of_both = [(x, z) for z in (0, 1) for x in (-7, -3, 3, 7)]
-    of_one = [(x, 3) for x in (-7, -3)]
-    np.testing.assert_allclose(found[:, 0], [*of_both, *of_one], atol=1e-9)
+    both, one = (-7.0, -3.0, 3.0, 7.0), (-7.0, -3.0)
+    levels = {(0, 1): both, (1, 2): both, (2, 2.5): both, (2.5, 3): one, (3, 4): one}
+    expected = [[[x, z] for z in ends] for ends, places in levels.items() for x in places]
+    shelf = [[3.0, 2.5], [7.0, 2.5]]
+    drawn = np.array(sorted(found.round(9).tolist()))
+    np.testing.assert_allclose(drawn, sorted([*expected, shelf]), atol=1e-9)
 
 
 def test_beside_the_part_there_is_nothing() -> None:
     cut = vertical_cut(HOLED.layers, 50.0)
     assert len(cut.points) + len(cut.walls) + len(cut.contours) == 0
+
+
+@pytest.mark.parametrize("name", ["holed", "pyramid"])
+def test_layers_are_drawn_from_their_lower_to_their_upper_ends(name: str) -> None:
+    """From the middle of the first layer down, from that of the last one up, as all goes on."""
+    layers = [layer for layer in FILLINGS[name].layers if 0 < layer.index < 30]
+    whole = vertical_cut(FILLINGS[name].layers)
+    cut = vertical_cut(layers, span=(2 * STEP, -STEP))
+    for drawn, expected in ((cut.walls, whole.walls), (cut.contours, whole.contours)):
+        one, other = (
+            shapely.union_all(shapely.linestrings(lines_of(of, pairs)))
+            for of, pairs in ((cut, drawn), (whole, expected))
+        )
+        assert shapely.hausdorff_distance(one, other) < 0.3
+        assert shapely.length(shapely.difference(other, one.buffer(1e-4))) < 0.02 * one.length
+    heights = cut.points[:, 2]
+    assert heights.min() == pytest.approx(LEVELS[0], abs=1e-9)
+    assert heights.max() == pytest.approx(LEVELS[-1], abs=1e-9)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import io
 import json
 import os
+import queue
 import signal
 import subprocess
 import sys
+import threading
 import time
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 import pytest
@@ -19,7 +22,8 @@ from worker.worker_process import ROOT, Worker
 
 from v3dcad.errors import SettingError
 from v3dcad.worker import loop
-from v3dcad.worker.parent import _read_ahead
+from v3dcad.worker.__main__ import preparing
+from v3dcad.worker.parent import requests_of
 
 pytestmark = pytest.mark.slow
 
@@ -239,13 +243,67 @@ def running(process: int) -> bool:
 
 def test_elsewhere_a_thread_sees_the_end_of_the_input(monkeypatch: pytest.MonkeyPatch) -> None:
     ended: list[int] = []
+    monkeypatch.setattr(sys, "platform", "darwin")
     monkeypatch.setattr(os, "_exit", ended.append)
-    lines = _read_ahead(io.BytesIO(b"a\nb\n"))
-    assert [next(lines), next(lines)] == [b"a\n", b"b\n"]
-    deadline = time.monotonic() + 5
-    while not ended and time.monotonic() < deadline:
-        time.sleep(0.01)
+    lines = requests_of(io.BytesIO(b"a\nb\n"), iter(()))
+    assert list(lines) == [b"a\n", b"b\n"]
     assert ended == [0]
+
+
+class Typed:
+    """An input whose lines come when the test says so."""
+
+    def __init__(self) -> None:
+        self.lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        self.asked = threading.Semaphore(0)
+
+    def readline(self) -> bytes:
+        self.asked.release()
+        return self.lines.get()
+
+    def give(self, line: bytes) -> None:
+        """Give a line, and wait until it was taken and the next one is asked for."""
+        while self.asked.acquire(blocking=False):
+            pass
+        self.lines.put(line)
+        self.asked.acquire()
+
+
+def test_a_request_goes_before_the_next_step_of_other_work() -> None:
+    stream, told = Typed(), []
+
+    def steps() -> Iterator[str]:
+        for step in ("one", "two", "three"):
+            if step == "two":
+                stream.give(b"second")
+            told.append(step)
+            yield step
+        stream.lines.put(b"")
+
+    stream.lines.put(b"first")
+    for line in requests_of(cast(BinaryIO, stream), steps()):
+        told += [line.decode()]
+    assert told == ["first", "one", "two", "second", "three"]
+
+
+def test_what_cannot_be_loaded_is_no_reason_to_end(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "v3dcad.kernel.load", None)
+    assert list(preparing()) == ["v3dcad.pipeline"]
+    assert "ModuleNotFoundError" in capsys.readouterr().err
+
+
+def test_it_ends_quietly_when_nobody_reads_its_answers(tmp_path: Path) -> None:
+    running = Worker(tmp_path)
+    assert running.process.stdout is not None
+    running.process.stdout.close()
+    assert running.process.stdin is not None
+    running.process.stdin.write(b"?\n")
+    running.process.stdin.flush()
+    assert running.process.wait(60) == 0
+    assert running.stderr() == ""
+    running.process.stdin.close()
 
 
 def test_arrays_are_never_objects(worker: Worker, cone: Path, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from v3dcad.errors import SettingError
+from v3dcad.words import counted
 
 if TYPE_CHECKING:
     from v3dcad.model import Floats
@@ -60,7 +61,8 @@ class Estimate:
         needs = [f"up to about {time}", f"{_size(self.memory)} of memory"]
         needs += [f"{_size(self.gcode)} of G-code"] if gcode else []
         listed = f"{', '.join(needs[:-1])} and {needs[-1]}"
-        return f"{self.layers:,} layers of up to {self.cells:,.0f} cells: {listed}"
+        layers, cells = counted(self.layers, "layer"), counted(round(self.cells), "cell")
+        return f"{layers} of up to {cells}: {listed}"
 
 
 def estimated(bounds: Floats, settings: FillSettings) -> Estimate | None:

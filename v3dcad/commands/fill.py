@@ -29,6 +29,7 @@ from v3dcad.errors import SettingError
 from v3dcad.notes import noted
 from v3dcad.options import given, with_options
 from v3dcad.settings import ExportSettings, FillSettings, PrintSettings
+from v3dcad.warm_up import PRINT
 
 if TYPE_CHECKING:
     from v3dcad.pipeline import Structure
@@ -99,7 +100,7 @@ def fill(
     steps = 3 + certified + len(files.keys() - {"report"})
     with noted() as notes, Progress(f"filling {part.name}", steps) as progress:
         progress.start("loading the engine")
-        load_engine()
+        load_engine(PRINT)
         from v3dcad.exports import export
 
         structure = filled(

@@ -10,6 +10,7 @@ import typer
 from v3dcad.commands.compiling import load_engine
 from v3dcad.commands.outputs import check_outputs
 from v3dcad.commands.rows import print_rows
+from v3dcad.warm_up import CELLS
 
 ont_app = typer.Typer(name="ont", help="Check and convert .ont files.", no_args_is_help=True)
 
@@ -27,7 +28,7 @@ def info(file: File) -> None:
 @ont_app.command()
 def check(file: File) -> None:
     """Make the structure again and compare it with the file's check sum."""
-    load_engine()
+    load_engine(CELLS)
     from v3dcad.ont import check as checked
 
     print_rows(checked(file).items())
@@ -44,7 +45,7 @@ def convert(
 ) -> None:
     """Write an .ont file with its boundary in another form."""
     check_outputs(file, {"ont": out})
-    load_engine()
+    load_engine(CELLS)
     from v3dcad.exports import written_line
     from v3dcad.ont import convert as converted
 

@@ -25,6 +25,7 @@ from v3dcad.commands.rows import print_rows
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.options import given, with_options
 from v3dcad.settings import SectionSettings
+from v3dcad.warm_up import SURFACES
 
 OutputFile = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the sections here.")]
 
@@ -54,7 +55,7 @@ def slice_part(
     check_readable(part)
     with Progress(f"cutting {part.name}", 2 + len(files)) as progress:
         progress.start("reading the part")
-        tell_of_compiling()
+        tell_of_compiling(SURFACES)
         from v3dcad.exports import written_line
         from v3dcad.model import size_words
         from v3dcad.slicing import section, write_sections_step, write_sections_svg

@@ -27,6 +27,7 @@ from v3dcad.commands.show_page import page_place, serve_file, show_file
 from v3dcad.errors import SettingError
 from v3dcad.options import given, with_options
 from v3dcad.settings import FillSettings, PrintSettings
+from v3dcad.warm_up import CELLS
 
 if TYPE_CHECKING:
     from v3dcad.pipeline import Structure
@@ -87,7 +88,7 @@ def view(
     target_of(target)
     chosen = given(FillSettings, settings)
     printing = print_settings(profile, settings)
-    load_engine()
+    load_engine(CELLS)
     from v3dcad.exports import written_line
     from v3dcad.view.page.first import First
 

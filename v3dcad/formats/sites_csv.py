@@ -10,6 +10,7 @@ import numpy as np
 
 from v3dcad.errors import FormatError
 from v3dcad.model import Floats
+from v3dcad.words import counted
 
 
 def read_sites(path: Path) -> Floats:
@@ -35,7 +36,7 @@ def read_sites(path: Path) -> Floats:
                     )
                 if sites and len(site) != len(sites[0]):
                     raise FormatError(
-                        f"{len(site)} numbers, where the lines before have {len(sites[0])}",
+                        f"{counted(len(site), 'number')}; lines before have {len(sites[0])}",
                         path=str(path), line=number,
                     )  # fmt: skip
                 if not all(map(math.isfinite, site)):

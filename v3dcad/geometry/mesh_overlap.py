@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from v3dcad.geometry.mesh.section import section_mesh
 from v3dcad.geometry.section_union import faulty, union
-from v3dcad.model import Floats, Mesh
+from v3dcad.model import Floats, Mesh, Section
 
 PROBES = 64
 """Planes that tell whether there is any such volume; they miss what lies wholly between two."""
 
 SLABS = 512
 """Most slabs in which it is measured then."""
+
+NEGLIGIBLE = 1e-9
+"""Share of the whole volume: less comes of rounding."""
 
 
 def overlap_volume(mesh: Mesh) -> float:
@@ -25,7 +30,8 @@ def overlap_volume(mesh: Mesh) -> float:
     levels = np.unique(mesh.vertices[mesh.triangles.ravel(), 2])
     low, high = levels[0], levels[-1]
     probes = np.linspace(low, high, PROBES + 2)[1:-1]
-    if not faulty(section_mesh(mesh, probes)):
+    found, areas = _excess(section_mesh(mesh, probes))
+    if found.sum() <= NEGLIGIBLE * areas.sum():
         return 0.0
     chosen = np.linspace(0, len(levels) - 1, min(len(levels), SLABS + 1)).astype(np.int64)
     slabs = levels[chosen]
@@ -33,11 +39,18 @@ def overlap_volume(mesh: Mesh) -> float:
     half = np.diff(slabs)[:, None] / 2
     heights = (slabs[:-1, None] + half * (1 + at)).ravel()
     shares = (half * weights).ravel()
-    sections = section_mesh(mesh, heights)
+    excess, areas = _excess(section_mesh(mesh, heights))
+    overlap = float(excess @ shares)
+    return overlap if overlap > NEGLIGIBLE * float(areas @ shares) else 0.0
+
+
+def _excess(sections: Sequence[Section]) -> tuple[Floats, Floats]:
+    """By how much the areas of sections (n,), mm², exceed their unions', and these areas (n,)."""
+    areas = np.array([_area(section.rings) for section in sections])
     excess = np.zeros(len(sections))
     for k in faulty(sections):
-        excess[k] = _area(sections[k].rings) - _area(union(sections[k], 0.0).rings)
-    return float(excess @ shares)
+        excess[k] = areas[k] - _area(union(sections[k], 0.0, touching=False).rings)
+    return excess, areas
 
 
 def _area(rings: tuple[Floats, ...]) -> float:

@@ -12,12 +12,14 @@ output", 1999): so that none of it depends on rounding. What is exact stays so:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from v3dcad.geometry.clipping.ring_validity import winding_fault
 from v3dcad.model import CurveRun, Floats, Ints, Section
@@ -47,7 +49,7 @@ def united(sections: Sequence[Section], chord_tolerance: float, bodies_meet: boo
     chosen = {k for k, section in enumerate(sections) if bodies_meet and len(section.rings) > 1}
     chosen |= set(faulty(sections))
     return [
-        union(section, chord_tolerance) if k in chosen else section
+        union(section, chord_tolerance, bodies_meet) if k in chosen else section
         for k, section in enumerate(sections)
     ]
 
@@ -224,12 +226,67 @@ def _placed(chords: _Chords, chord: int, point: Floats) -> tuple[Ints, Floats, F
     return rows[nearest], share[nearest], points[nearest]
 
 
-def union(section: Section, tolerance: float) -> Section:
+def union(section: Section, tolerance: float, touching: bool = True) -> Section:
     """The section bounded by what its rings wind around; itself where that is no other.
 
-    Rings of the union no wider than the chord tolerance lie between curves that touch: they are
-    left out.
+    Rings whose boxes lie apart have nothing to do with each other. So each group of rings is united
+    by itself: those that wind around an area twice and, where `touching`, those of which one
+    touches another. Rings of the union no wider than the chord tolerance lie between curves that
+    touch: they are left out.
     """
+    groups = _groups(section)
+    chosen = set(faulty(groups))
+    if touching:
+        chosen |= {k for k, group in enumerate(groups) if _rings_touch(group, tolerance)}
+    if not chosen:
+        return section
+    return _together(
+        _united(group, tolerance) if k in chosen else group for k, group in enumerate(groups)
+    )
+
+
+def _groups(section: Section) -> list[Section]:
+    """A section in pieces: rings are together whose boxes meet, or are linked by others that do."""
+    low = np.array([ring.min(axis=0) for ring in section.rings])
+    high = np.array([ring.max(axis=0) for ring in section.rings])
+    tree = shapely.STRtree(shapely.box(*(low - TOUCH).T, *high.T))
+    one, other = tree.query(tree.geometries, predicate="intersects")
+    links = coo_array((np.ones(len(one)), (one, other)), shape=(len(low), len(low)))
+    count, group = connected_components(links, directed=False)
+    if count == 1:
+        return [section]
+    rings = [np.flatnonzero(group == k).tolist() for k in range(count)]
+    place = {ring: number for some in rings for number, ring in enumerate(some)}
+    runs: list[list[CurveRun]] = [[] for _ in rings]
+    for run in section.runs:
+        runs[group[run.ring]].append(run._replace(ring=place[run.ring]))
+    return [
+        Section(section.z, tuple(section.rings[ring] for ring in some), tuple(own))
+        for some, own in zip(rings, runs, strict=True)
+    ]
+
+
+def _together(pieces: Iterable[Section]) -> Section:
+    """One section of the rings of all pieces, which lie at one height."""
+    rings: list[Floats] = []
+    runs: list[CurveRun] = []
+    for piece in pieces:
+        runs += [run._replace(ring=run.ring + len(rings)) for run in piece.runs]
+        rings += piece.rings
+    return Section(piece.z, tuple(rings), tuple(runs))
+
+
+def _rings_touch(section: Section, tolerance: float) -> bool:
+    """Whether one of a section's rings comes so near another that their curves may touch."""
+    rings = np.array([shapely.linearrings(ring) for ring in section.rings])
+    one, other = shapely.STRtree(rings).query(
+        rings, predicate="dwithin", distance=2 * (tolerance + TOUCH)
+    )
+    return bool(np.any(one != other))
+
+
+def _united(section: Section, tolerance: float) -> Section:
+    """The union of a section whose rings all have to do with each other."""
     chords = _chords(section)
     moving = np.any(chords.start != chords.stop, axis=1)
     chords = chords.of(np.flatnonzero(moving))

@@ -14,6 +14,7 @@ from OCP.TopoDS import TopoDS_Shape
 
 from v3dcad.errors import FormatError
 from v3dcad.kernel.part import SolidPart, solid_part
+from v3dcad.words import counted
 
 TAIL = 4096
 """Bytes at the end of a STEP file in which its end marker must be."""
@@ -47,7 +48,7 @@ def load_step(path: Path, factor: float = 1.0) -> SolidPart:
     model = reader.Model()
     numbers = range(1, model.NbEntities() + 1)
     unread = sum(model.IsUnknownEntity(k) or model.IsRedefinedContent(k) for k in numbers)
-    lost = (f"{unread} entities of the file could not be read",) if unread else ()
+    lost = (f"{counted(unread, 'entity')} of the file could not be read",) if unread else ()
     return replace(part, findings=(*lost, *part.findings))
 
 

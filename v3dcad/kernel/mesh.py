@@ -41,6 +41,7 @@ from v3dcad.geometry.surface.surfaces import surface_points
 from v3dcad.kernel.flattening import Flattener
 from v3dcad.kernel.shapes import EDGE, FACE, SOLID, own_copy, subshapes
 from v3dcad.model import Floats, Ints, Mesh
+from v3dcad.words import counted
 
 DEFLECTION = 0.002
 """Sag of the first mesh as a share of the part's diagonal. It only has to be a sound triangulation
@@ -247,8 +248,8 @@ class _Collector:
         forward, partner, unpaired = pair_sides(key[kept], backward[kept])
         if unpaired:
             raise KernelError(
-                f"the part is not closed: {unpaired} stretches of edges have a face on one side "
-                "only; heal or sew it where it was made"
+                f"the part is not closed, with a face on one side only along "
+                f"{counted(unpaired, 'stretch')} of edges; heal or sew it where it was made"
             )
         forward, partner = kept[forward], kept[partner]
         sides = np.full(len(tail), -1, np.int64)

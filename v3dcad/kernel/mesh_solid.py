@@ -26,6 +26,7 @@ from v3dcad.geometry.mesh.bodies import bodies_of, containers, signed_volumes
 from v3dcad.kernel.part import SolidPart, solid_part
 from v3dcad.kernel.shapes import FACE, TOLERANCE, compound, subshapes
 from v3dcad.model import Floats, Ints, Mesh
+from v3dcad.words import counted
 
 MAX_TRIANGLES = 20_000
 """A B-rep of more plane faces than this is slow everywhere, without an advantage over the mesh."""
@@ -63,8 +64,9 @@ def solid_of_mesh(mesh: Mesh, name: str, findings: tuple[str, ...] = ()) -> Soli
     unifier = ShapeUpgrade_UnifySameDomain(whole, True, True, False)
     unifier.Build()
     part = solid_part(unifier.Shape(), name, name)
-    made = f"made a B-rep of {sum(1 for _ in subshapes(part.shape, FACE))} plane faces"
-    return replace(part, findings=(*findings, *part.findings, f"{made} of {count} triangles"))
+    faces = counted(sum(1 for _ in subshapes(part.shape, FACE)), "plane face")
+    made = f"made a B-rep of {faces} of {counted(count, 'triangle')}"
+    return replace(part, findings=(*findings, *part.findings, made))
 
 
 class _Shells:

@@ -28,8 +28,9 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh
 from v3dcad.geometry.surface.section import CHORD_TOLERANCE
 from v3dcad.geometry.surface.wall_ends import exact_ends
 from v3dcad.kernel.mesh import surface_mesh, triangle_mesh
-from v3dcad.kernel.orientation import sewn, upright
+from v3dcad.kernel.orientation import upright
 from v3dcad.kernel.section import section_solids
+from v3dcad.kernel.sewing import sewn
 from v3dcad.kernel.shapes import (
     EDGE,
     FACE,
@@ -43,6 +44,7 @@ from v3dcad.kernel.shapes import (
 )
 from v3dcad.kernel.union import one_body, overlaps, solids_meet
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section, part_words
+from v3dcad.words import counted
 
 MESH_SAG = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -150,7 +152,7 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str, factor: float = 1.0) 
     solids = [upright(solid, findings) for solid in subshapes(shape, SOLID)]
     if solids:
         stray = sum(1 for _ in subshapes(shape, FACE, SOLID))
-        findings += [f"{stray} faces belong to no solid and were left out"] if stray else []
+        findings += [f"left out {counted(stray, 'face')} of no solid"] if stray else []
     else:
         solids = sewn(shape, where, findings)
     solid = _healed(compound(solids), findings)
@@ -202,9 +204,9 @@ def _gap_findings(solid: TopoDS_Shape) -> list[str]:
     worst = BRepAdaptor_Curve(TopoDS.Edge_s(edges(int(np.argmax(gaps)) + 1)))
     at = worst.Value((worst.FirstParameter() + worst.LastParameter()) / 2)
     return [
-        f"{loose} edges may lie off their faces by up to {gaps.max():.3g} mm, the worst near "
-        f"({at.X():.6g}, {at.Y():.6g}, {at.Z():.6g}): contours step across such gaps, and where "
-        "they cross themselves there the loops are cut off"
+        f"{counted(loose, 'edge')} may lie off the faces there by up to {gaps.max():.3g} mm, most "
+        f"near ({at.X():.6g}, {at.Y():.6g}, {at.Z():.6g}): contours step across such gaps, and "
+        "where they cross themselves there the loops are cut off"
     ]
 
 

@@ -44,6 +44,7 @@ from v3dcad.printer.replies import (
     Waiting,
     parse,
 )
+from v3dcad.words import counted
 
 GOES_BACK = 8
 """By how many lines a request may lie before what is acknowledged. An `ok` too many makes one; a
@@ -352,8 +353,8 @@ class Sender:
         if count > self.patience.resends:
             raise PrintError(
                 End.NO_ANSWER,
-                f"the printer refused line {number} {count} times; check the cable, or use a "
-                "lower baud rate",
+                f"the printer refused line {number} {counted(count, 'time')}; check the cable, or "
+                "use a lower baud rate",
             )
 
     def _hurry(self, now: float) -> None:

@@ -8,13 +8,14 @@ from typing import overload
 
 from v3dcad.arguments import place
 from v3dcad.model import Layer
+from v3dcad.words import counted
 
 
 class LayerSequence(Sequence[Layer]):
     """A sequence of layers whose `layer` makes one; negative indices count from the top."""
 
     def __repr__(self) -> str:
-        return f"<{len(self)} layers>"
+        return f"<{counted(len(self), 'layer')}>"
 
     @abstractmethod
     def layer(self, index: int) -> Layer:

@@ -33,6 +33,13 @@ class Held(NamedTuple):
     width: float = 0.0
     """mm, of a wall"""
 
+    def near(self, area: shapely.Geometry, margin: float) -> Held:
+        """What of it lies in the box of an area and `margin` mm around it; some walls reach out."""
+        low, high = np.add(np.reshape(shapely.bounds(area), (2, 2)), [[-margin], [margin]])
+        meets = (self.walls.min(axis=1) <= high) & (self.walls.max(axis=1) >= low)
+        solid = shapely.clip_by_rect(self.solid, *low, *high)
+        return Held(solid, self.walls[meets.all(axis=1)], self.width)
+
 
 class Below(NamedTuple):
     """What of the layer below holds up the next."""
@@ -89,7 +96,8 @@ def direction(area: shapely.Geometry, held: Held, spacing: float) -> float:
     longest span is to be least, and then the sum of their squares. One with a free end counts as
     `FREE` times its length.
     """
-    costs = [_cost(area, held, angle, spacing) for angle in ANGLES.tolist()]
+    near = held.near(area, spacing + held.width)
+    costs = [_cost(area, near, angle, spacing) for angle in ANGLES.tolist()]
     return float(ANGLES[costs.index(min(costs))])
 
 

@@ -17,6 +17,8 @@ AUTO_BRIM = 5.0
 """mm: the brim of a part that stands on little."""
 LITTLE_AREA, LITTLE_WIDTH = 100.0, 10.0
 """mm² and mm: less than these on the bed is little."""
+RESOLUTION = 5e-4
+"""mm: half of the last decimal that G-code has."""
 TOPPLES = 5.0
 """A part this many times as high as its stand is wide does not stand safely."""
 OVERHANGS = 0.05
@@ -27,11 +29,12 @@ def cuts(sections: Iterable[Section], settings: PrintSettings) -> Iterator[Cut]:
     """The areas of sections, ascending in z.
 
     They are printed from the first one on that has room for a bead: a part that stands on a point
-    or a line may begin with sections that have none.
+    or a line may begin with sections that have none. Corners of fine meshes that G-code could not
+    tell from a straight line are left out; by them, most of the time would be lost.
     """
     begun = False
     for section in sections:
-        area = section_area(section)
+        area = section_area(section).simplify(RESOLUTION)
         begun = begun or not inset(area, outermost_depth(settings)).is_empty
         yield Cut(area, begun)
 

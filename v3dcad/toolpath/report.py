@@ -14,6 +14,7 @@ from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.first_layer import stand_width, stands_badly
 from v3dcad.toolpath.overhang import Hanging
 from v3dcad.toolpath.plan import Plan
+from v3dcad.words import counted
 
 MOST_NAMED = 5
 """Cells named in a finding; there may be thousands."""
@@ -141,16 +142,17 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
         )
     if unreached:
         found.append(
-            f"{unreached:.2f} mm² of {unreached_on} layers are too narrow for a bead and stay "
-            "empty; use a narrower bead, or --contour centre"
+            f"{unreached:.2f} mm² on {counted(unreached_on, 'layer')} stay empty, too narrow for a "
+            "bead; use a narrower bead, or --contour centre"
         )
     if hurried:
         shortest = min(hurried, key=lambda report: report.seconds)
         found.append(
-            f"{len(hurried)} layers take less than --minimum-layer-time at the slowest speed; the "
-            f"shortest, layer {shortest.layer}, {shortest.seconds:.1f} s: print several parts at "
-            "once, or lower --slowest-speed"
+            f"--minimum-layer-time is more than {counted(len(hurried), 'layer')} can take even at "
+            f"the slowest speed; the shortest, layer {shortest.layer}, takes "
+            f"{shortest.seconds:.1f} s: print several parts at once, or lower --slowest-speed"
         )
     if joined:
-        found.append(f"{joined} edges shorter than --minimum-edge were joined to their neighbours")
+        edges = counted(joined, "edge")
+        found.append(f"joined {edges} shorter than --minimum-edge to the neighbours")
     return found

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from v3dcad.geometry.section_area import contour_lines
 from v3dcad.model import Floats, Layer
+from v3dcad.view.trimming import trimmed
 
 TURN = np.radians(-30)
 """How the eye stands around the part: to the front and right of it."""
@@ -61,6 +62,14 @@ class Eye(NamedTuple):
         return np.stack([right * nearer, up * nearer], axis=-1), depth
 
 
+class Areas(NamedTuple):
+    """A layer's section and those of the layers below and above that are drawn, as areas."""
+
+    below: shapely.Geometry
+    own: shapely.Geometry
+    above: shapely.Geometry
+
+
 class Strips(NamedTuple):
     """The walls, or the contours, of one layer from its lower to its upper end."""
 
@@ -78,17 +87,26 @@ class Strips(NamedTuple):
 
 
 def wall_strips(
-    layer: Layer, span: tuple[float, float], values: Floats, corner: Floats | None
+    layer: Layer,
+    span: tuple[float, float],
+    values: Floats,
+    corner: Floats | None,
+    areas: Areas,
 ) -> Strips:
     """The walls of a layer from the lower to the upper height of its span, mm, leaning as they do.
 
+    They end at the layer's section, and where the sides of the part slope, at the next one.
     `values` (e,) are those of all edges. What lies to the right of `corner` (2,), mm, and in front
     of it is cut away; without a corner nothing is.
     """
     diagram = layer.diagram
     inner = diagram.inner()
     drifts = _drifts(layer)
-    lower, upper = (_leaning(layer, drifts, height) for height in span)
+    slope = FASTEST * (span[1] - span[0])
+    lower, upper = (
+        trimmed(trimmed(_leaning(layer, drifts, height), areas.own), beside, slope)
+        for height, beside in zip(span, (areas.below, areas.above), strict=True)
+    )
     count = len(lower)
     which, cut = np.arange(count), np.zeros((count, 2), np.bool_)
     if corner is not None:

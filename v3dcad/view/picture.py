@@ -14,7 +14,7 @@ from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Layer, Mesh
 from v3dcad.view.colours import BLUE, GREY, ramp, rgb
 from v3dcad.view.outline import outline
-from v3dcad.view.perspective import ABOVE, ON_TOP, Eye, Strips, contour_strips, wall_strips
+from v3dcad.view.perspective import ABOVE, ON_TOP, Areas, Eye, Strips, contour_strips, wall_strips
 from v3dcad.view.targets.shown import Scale
 from v3dcad.view.targets.whole import edge_tilts
 
@@ -123,16 +123,20 @@ def draw(
     leans = [edge_tilts(layer) if tilts else np.zeros(len(layer.diagram.edges)) for layer in layers]
     scale = Scale("tilt", "°", 0.0, max(map(_greatest, leans), default=0.0)) if tilts else None
     spans = _spans(layers, base, top)
+    areas = [section_area(layer.section) for layer in layers]
+    ends = [*areas[:1], *areas, *areas[-1:]]
     walls = [
-        wall_strips(layer, span, lean, corner)
-        for layer, span, lean in zip(layers, spans, leans, strict=True)
+        wall_strips(layer, span, lean, corner, Areas(*beside))
+        for layer, span, lean, *beside in zip(
+            layers, spans, leans, ends[:-2], areas, ends[2:], strict=True
+        )
     ]
     if layers:
         axes.add_patch(_floor(layers[0], bottom, eye))
         painted = [
             _painted(strips, contour_strips(layer, span, FINE * eye.size), above, eye, scale)
             for layer, span, strips, above in zip(
-                layers, spans, walls, [*layers[1:], None], strict=True
+                layers, spans, walls, [*areas[1:], None], strict=True
             )
         ]
         axes.add_collection(_polygons(painted), autolim=False)
@@ -185,11 +189,15 @@ def _greatest(values: Floats) -> float:
 
 
 def _painted(
-    walls: Strips, contours: Strips, above: Layer | None, eye: Eye, scale: Scale | None
+    walls: Strips,
+    contours: Strips,
+    above: shapely.Geometry | None,
+    eye: Eye,
+    scale: Scale | None,
 ) -> Paint:
     """The strips of one layer, the farthest first, and the upper ends of walls that go no higher.
 
-    `above` is the layer that is painted next.
+    `above` is the section of the layer that is painted next.
     """
     ends = walls.corners[_end(walls, above)][:, [2, 2, 3, 3]]
     corners = np.concatenate([walls.corners, ends, contours.corners])
@@ -205,14 +213,13 @@ def _painted(
     )
 
 
-def _end(walls: Strips, above: Layer | None) -> NDArray[np.bool_]:
+def _end(walls: Strips, above: shapely.Geometry | None) -> NDArray[np.bool_]:
     """(s,) which strips have nothing of the part over them."""
     if above is None:
         return np.ones(len(walls.corners), np.bool_)
-    area = section_area(above.section)
-    shapely.prepare(area)
+    shapely.prepare(above)
     x, y = walls.corners[:, :2, :2].mean(axis=1).T
-    return np.asarray(~shapely.contains_xy(area, x, y))
+    return np.asarray(~shapely.contains_xy(above, x, y))
 
 
 def _lit(walls: Strips, eye: Eye, scale: Scale | None) -> Floats:

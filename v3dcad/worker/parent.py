@@ -1,4 +1,4 @@
-"""The worker ends with the program that started it, even while it computes."""
+"""The worker's input: requests of its parent, work between them, and the end with the parent."""
 
 from __future__ import annotations
 
@@ -10,17 +10,21 @@ from collections.abc import Iterator
 from typing import BinaryIO
 
 
-def requests_of(stream: BinaryIO) -> Iterator[bytes]:
+def requests_of(stream: BinaryIO, meanwhile: Iterator[object]) -> Iterator[bytes]:
     """The lines of a stream, until it ends or the parent does.
 
-    On Linux the kernel kills this process when the thread that started it ends
-    (PR_SET_PDEATHSIG); requests that are already there when the stream ends are answered first.
-    Elsewhere a thread reads ahead, and the stream's end ends the process at once.
+    After the first one, steps of `meanwhile` are done for as long as no line waits. On Linux the
+    kernel kills this process when the thread that started it ends (PR_SET_PDEATHSIG); requests
+    that are already there when the stream ends are answered first. Elsewhere the stream's end ends
+    the process at once.
     """
-    if sys.platform != "linux":
-        return _read_ahead(stream)
-    _die_with_parent()
-    return iter(stream.readline, b"")
+    if sys.platform == "linux":
+        _die_with_parent()
+    lines = _read_ahead(stream)
+    while line := lines.get():
+        yield line
+        while lines.empty() and next(meanwhile, None) is not None:
+            pass
 
 
 def _die_with_parent() -> None:
@@ -34,14 +38,16 @@ def _die_with_parent() -> None:
         os._exit(1)
 
 
-def _read_ahead(stream: BinaryIO) -> Iterator[bytes]:
+def _read_ahead(stream: BinaryIO) -> queue.SimpleQueue[bytes]:
+    """Lines as a thread of its own reads them; the last one is empty."""
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
 
     def read() -> None:
         for line in iter(stream.readline, b""):
             lines.put(line)
-        os._exit(0)
+        if sys.platform != "linux":
+            os._exit(0)
+        lines.put(b"")
 
     threading.Thread(target=read, daemon=True).start()
-    while True:
-        yield lines.get()
+    return lines

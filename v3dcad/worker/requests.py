@@ -45,10 +45,7 @@ class Work:
         return DO[do](self)
 
     def hello(self) -> dict[str, Any]:
-        """Load all that later requests need, and tell what can be set."""
-        from v3dcad.warm_up import warm_up
-
-        warm_up()
+        """Tell what can be set."""
         return {
             "version": VERSION,
             "python": platform.python_version(),

@@ -278,8 +278,9 @@ def show_result(obj: Any, answer: Answer) -> None:
         obj.Shape = shape
         obj.Edges = shape.countElement("Edge")
     else:
+        if not obj.Shape.isNull():  # each of the two that is set shows the lines again
+            obj.Shape = Part.Shape()
         obj.Lines = answer["lines"]
-        obj.Shape = Part.Shape()
         obj.Edges = answer["edges"]
     obj.Layers = answer["layers"]
 

@@ -19,8 +19,8 @@ class VoronoiWorkbench(Gui.Workbench):
     Icon = icon("workbench")
 
     def Initialize(self) -> None:  # noqa: N802, FreeCAD's name
-        """Make toolbar and menu."""
-        from freecad.v3dcad_wb import commands
+        """Make toolbar and menu, and load what the first fill needs, numpy above all."""
+        from freecad.v3dcad_wb import commands, view_provider  # noqa: F401
 
         commands.register()
         self.appendToolbar("Voronoi 3D", commands.TOOLBAR)

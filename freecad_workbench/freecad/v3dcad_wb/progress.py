@@ -7,10 +7,14 @@ from __future__ import annotations
 from typing import Any
 
 from .backend import worker
-from .qt import QtWidgets, tr
+from .qt import QtCore, QtWidgets, tr
 
 QUIET = ("preview",)
 """Kinds of jobs that are too short to be shown."""
+
+INTERVAL = 200
+"""Milliseconds from a change to its being shown. Showing it draws the whole window again, which
+takes longer than many a job."""
 
 
 class Progress(QtWidgets.QWidget):
@@ -33,17 +37,28 @@ class Progress(QtWidgets.QWidget):
         policy.setRetainSizeWhenHidden(True)  # otherwise the 3D view is laid out and drawn anew
         self.setSizePolicy(policy)
         self.title.setFixedWidth(260)
+        self.timer = QtCore.QTimer(self)
+        self.timer.setSingleShot(True)
+        self.timer.setInterval(INTERVAL)
+        self.timer.timeout.connect(self.show_job)
         self.setVisible(False)
 
-    def update_job(self) -> None:
+    def changed(self) -> None:
+        """Show soon what is under way then; of all changes until then only the last is seen."""
+        if not self.timer.isActive():
+            self.timer.start()
+
+    def show_job(self) -> None:
         """Show the job that is under way."""
         job = worker.running
         shown = job is not None and job.kind not in QUIET
         if shown and job is not None:
             stage, done, whole = job.progress
+            self.setUpdatesEnabled(False)  # three changes are drawn once
             self.title.setText(f"{job.title}: {stage}" if stage else job.title)
             self.bar.setRange(0, whole)
             self.bar.setValue(done)
+            self.setUpdatesEnabled(True)
         self.setVisible(shown)
 
 
@@ -54,5 +69,5 @@ def install(window: Any) -> Progress:
         return found
     progress = Progress(window)
     window.statusBar().addPermanentWidget(progress)
-    worker.watchers.append(progress.update_job)
+    worker.watchers.append(progress.changed)
     return progress

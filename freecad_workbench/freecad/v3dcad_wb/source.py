@@ -54,8 +54,9 @@ def frame_of(obj: Any) -> App.Placement:
 def write_source(source: Any, target: Any, folder: Path) -> str:
     """Write the source as `target`'s frame sees it; the path, named after what the file holds.
 
-    So the same shape has the same name, and the worker keeps its sections. Raises `WorkerError`
-    where there is nothing to fill.
+    So the same shape has the same name, and the worker keeps its sections. A shape that was written
+    last is not written again, since each fill asks for it several times. Raises `WorkerError` where
+    there is nothing to fill.
     """
     if why := why_not(source):
         raise WorkerError(why)
@@ -65,9 +66,32 @@ def write_source(source: Any, target: Any, folder: Path) -> str:
         copy = mesh.copy()
         copy.Placement = placement
         return keep(folder, "source.stl", lambda path: copy.write(path, "STL"))
-    shape = Part.getShape(source).copy()
-    shape.Placement = placement
-    return keep(folder, "source.brep", shape.exportBrep)
+    shape = Part.getShape(source)
+    if path := _last.path_of(shape, placement, folder):
+        return path
+    copy = shape.copy()
+    copy.Placement = placement
+    path = keep(folder, "source.brep", copy.exportBrep)
+    _last.shape, _last.placement, _last.path = shape, placement, path
+    return path
+
+
+class Written:
+    """The shape that was written last."""
+
+    shape: Any = None
+    placement: Any = None
+    path = ""
+
+    def path_of(self, shape: Any, placement: Any, folder: Path) -> str | None:
+        """Its path in a folder, if it is this very shape, at this place."""
+        same = self.shape is not None and self.shape.isPartner(shape)
+        lies = same and self.placement.toMatrix().A == placement.toMatrix().A
+        found = lies and Path(self.path).parent == folder and Path(self.path).is_file()
+        return self.path if found else None
+
+
+_last = Written()
 
 
 def seen_from(target: Any, obj: Any) -> App.Placement:

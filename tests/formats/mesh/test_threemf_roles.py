@@ -59,7 +59,7 @@ def test_volumes_of_prusaslicer(kind: str, tmp_path: Path) -> None:
     part = v3dcad.part_from(with_file(path, "Metadata/Slic3r_PE_model.config", text))
     negative = kind == "NegativeVolume"
     assert volume(part) == pytest.approx(LESS if negative else 1000, rel=1e-5)
-    told = "1 negative volumes were subtracted" if negative else "1 modifiers were left out"
+    told = "subtracted 1 negative volume" if negative else "left out 1 modifier"
     assert part.findings == (told,)
 
 
@@ -71,16 +71,16 @@ def test_parts_of_orca_and_bambu(kind: str, tmp_path: Path) -> None:
     part = v3dcad.part_from(with_file(path, "Metadata/model_settings.config", text))
     negative = kind == "negative_part"
     assert volume(part) == pytest.approx(LESS if negative else 1000, rel=1e-5)
-    told = "1 negative volumes were subtracted" if negative else "1 modifiers were left out"
+    told = "subtracted 1 negative volume" if negative else "left out 1 modifier"
     assert part.findings == (told,)
 
 
 @pytest.mark.parametrize(
     ("kind", "says"),
     [
-        ("other", "1 'other' objects were left out"),
-        ("surface", "1 'surface' objects were left out"),
-        ("solidsupport", "1 support objects were left out"),
+        ("other", "left out 1 'other' object"),
+        ("surface", "left out 1 'surface' object"),
+        ("solidsupport", "left out 1 support object"),
     ],
 )
 def test_objects_that_are_no_model(kind: str, says: str, tmp_path: Path) -> None:
@@ -96,7 +96,7 @@ def test_items_that_are_not_printed(tmp_path: Path) -> None:
     part = v3dcad.part_from(threemf(tmp_path / "a.3mf", objects, items))
     assert volume(part) == pytest.approx(1000)
     assert part.bounds == pytest.approx(np.array([[-5, -5, -5], [5, 5, 5]]))
-    assert part.findings == ("1 objects that are not to be printed were left out",)
+    assert part.findings == ("left out 1 unprintable object",)
 
 
 def test_what_is_no_mesh_is_told(tmp_path: Path) -> None:
@@ -105,13 +105,13 @@ def test_what_is_no_mesh_is_told(tmp_path: Path) -> None:
         f'<mesh><vertices/><triangles/><beamlattice xmlns="{schema}/beamlattice/2017/02"/></mesh>'
     )
     path = threemf(tmp_path / "a.3mf", thing(1, beams), '<item objectid="1"/>')
-    with pytest.raises(v3dcad.FormatError, match=r"no triangles .*1 beam lattices were left out"):
+    with pytest.raises(v3dcad.FormatError, match=r"no triangles .*left out 1 beam lattice"):
         v3dcad.part_from(path)
     stack = f'xmlns:s="{schema}/slice/2015/07" s:slicestackid="7"'
     path = threemf(tmp_path / "b.3mf", thing(1, mesh(BLOCK), more=stack), '<item objectid="1"/>')
     part = v3dcad.part_from(path)
     assert volume(part) == pytest.approx(1000)
-    assert part.findings == ("1 slice stacks were left out",)
+    assert part.findings == ("left out 1 slice stack",)
 
 
 def test_a_damaged_list_of_roles_is_told(tmp_path: Path) -> None:

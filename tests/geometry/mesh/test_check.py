@@ -54,7 +54,7 @@ def test_single_triangles_are_turned():
     triangles = CUBE.triangles.copy()
     triangles[[2, 7]] = triangles[[2, 7], ::-1]
     mesh, findings = checked_mesh(Mesh(CUBE.vertices, triangles))
-    assert findings == ["turned 2 triangles that wound against their neighbours"]
+    assert findings == ["turned 2 triangles that wound against the neighbours"]
     assert volume(mesh) == pytest.approx(8)
 
 
@@ -110,7 +110,7 @@ def test_holes_are_refused_with_counts_or_patched_and_said():
     ):
         checked_mesh(cup)
     mesh, (finding,) = checked_mesh(cup, repair=True)
-    assert finding.startswith("closed 1 holes with 1.")
+    assert finding.startswith("closed 1 hole with 1.")
     below = as_mesh(
         trimesh.boolean.difference(
             [

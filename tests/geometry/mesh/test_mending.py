@@ -83,7 +83,7 @@ def test_fins_are_dropped_when_asked() -> None:
     with pytest.raises(GeometryError, match=r"not closed: 2 boundary edges and 1 non-manifold"):
         checked_mesh(fin)
     mesh, findings = checked_mesh(fin, repair=True)
-    assert findings == ["dropped 1 fins and inner walls, 1 triangles"]
+    assert findings == ["dropped fins and inner walls: 1 sheet of 1 triangle"]
     assert volume(mesh) == pytest.approx(8)
 
 
@@ -95,7 +95,7 @@ def test_a_wall_inside_goes() -> None:
     with pytest.raises(GeometryError, match="4 non-manifold"):
         checked_mesh(joined)
     mesh, findings = checked_mesh(joined, repair=True)
-    assert findings == ["dropped 1 fins and inner walls, 2 triangles"]
+    assert findings == ["dropped fins and inner walls: 1 sheet of 2 triangles"]
     assert volume(mesh) == pytest.approx(16)
     assert trimesh.Trimesh(mesh.vertices, mesh.triangles).is_watertight
     ball = as_mesh(trimesh.creation.uv_sphere(radius=5, count=[9, 12]))
@@ -106,7 +106,7 @@ def test_a_wall_inside_goes() -> None:
     mesh, findings = checked_mesh(
         Mesh(ball.vertices, np.vstack([ball.triangles, floor])), repair=True
     )
-    assert findings == [f"dropped 1 fins and inner walls, {len(floor)} triangles"]
+    assert findings == [f"dropped fins and inner walls: 1 sheet of {len(floor)} triangles"]
     assert volume(mesh) == pytest.approx(volume(ball))
 
 

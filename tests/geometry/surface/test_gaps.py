@@ -81,9 +81,7 @@ def test_an_edge_that_hardly_lies_off_its_face_changes_nothing() -> None:
 def test_gaps_are_reported_once_for_the_part() -> None:
     part = solid_part(dented_box(0.05, 0.03, 0.06), "a", "a")
     (finding,) = part.findings
-    assert finding.startswith(
-        "1 edges may lie off their faces by up to 0.06 mm, the worst near (0.0"
-    )
+    assert finding.startswith("1 edge may lie off the faces there by up to 0.06 mm, most near (0.0")
     assert solid_part(shapes.box((0, 0, 0), (1, 1, 1)), "a", "a").findings == ()
 
 
@@ -103,7 +101,7 @@ def test_a_loop_is_cut_off_up_to_eight_gaps(gaps: float, is_cut: bool) -> None:
 def test_a_wedge_with_a_gap_is_cut_where_its_faces_meet(samples: Path) -> None:
     part = v3dcad.place_on_bed(samples / "wedge.step")
     (finding,) = part.findings
-    assert "lie off their faces by up to 0.0358 mm" in finding
+    assert "lie off the faces there by up to 0.0358 mm" in finding
     for section in part.sections(np.linspace(0.0, 10.0, 21)):
         assert is_simple(section)
         (ring,) = section.rings
@@ -114,7 +112,7 @@ def test_a_wedge_with_a_gap_is_cut_where_its_faces_meet(samples: Path) -> None:
 
 def test_a_real_part_with_gaps_can_be_filled() -> None:
     part = v3dcad.place_on_bed(part_file(CTC_02))
-    assert any("lie off their faces by up to 0.108 mm" in finding for finding in part.findings)
+    assert any("lie off the faces there by up to 0.108 mm" in finding for finding in part.findings)
     heights = part.bounds[1, 2] * (np.arange(100) + 0.5) / 100
     for section in part.sections(np.append(30.0, heights[np.argsort(heights) > 7])):
         assert is_simple(section), section.z

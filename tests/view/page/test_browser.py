@@ -238,6 +238,28 @@ def test_few_draw_calls(page: Shown) -> None:
         assert page.calls() <= 9, target
 
 
+def test_where_frames_are_slow_fewer_segments_are_drawn_in_motion(page: Shown) -> None:
+    drawn = """async wait => {
+        await new Promise(done => setTimeout(done, wait));
+        v3dcad.stage.draw();
+        return v3dcad.stage.renderer.info.render.triangles;
+    }"""
+    whole, picture = page.run(drawn, 0), page.picture()
+    page.run("() => { v3dcad.stage.paced(1000); v3dcad.stage.move(); v3dcad.stage.paced(50); }")
+    assert page.run(drawn, 0) == whole, "frames are fast, or the eye rests"
+    page.run("() => { v3dcad.stage.paced(1000); v3dcad.stage.paced(1000); }")
+    assert whole / 5 < page.run(drawn, 0) < whole / 3
+    page.run("() => { v3dcad.stage.rest(); v3dcad.stage.move(); }")
+    assert page.run(drawn, 400) < whole / 3, "the motion goes on"
+    page.run("() => v3dcad.stage.rest()")
+    assert page.run(drawn, 400) == whole
+    assert changed(picture, page.picture()) == 0
+    page.run("() => v3dcad.stage.move()")
+    assert page.run(drawn, 0) < whole / 3, "as fast as the last motion"
+    page.run("() => v3dcad.stage.rest()")
+    page.run(drawn, 400)
+
+
 def test_memory_stays_flat(page: Shown) -> None:
     protocol = page.context.new_cdp_session(page.tab)
     page.set(target="neighbours", cell=100)

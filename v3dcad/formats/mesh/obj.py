@@ -10,6 +10,7 @@ import numpy as np
 from v3dcad.errors import FormatError
 from v3dcad.geometry.mesh.holes import patch
 from v3dcad.model import Floats, Mesh
+from v3dcad.words import counted
 
 FREE_FORM = {b"curv", b"curv2", b"surf"}
 """Keywords of curved surfaces, which are not read."""
@@ -48,7 +49,7 @@ def read_obj(path: Path) -> tuple[Mesh, list[str]]:
             raise FormatError(message, path=str(path), line=number)
     points = np.array(vertices)
     triangles = [row for _, corners in polygons for row in _cut(points, corners)]
-    left_out = [f"{free_form} free-form curves and surfaces were left out"] if free_form else []
+    left_out = [f"left out {counted(free_form, 'free-form element')}"] if free_form else []
     return Mesh(points, np.array(triangles, np.int64)), left_out
 
 
@@ -83,10 +84,10 @@ def _corners(words: list[bytes], known: int, number: int, path: str) -> list[int
         ) from None
     corners = [place - 1 if place > 0 else known + place for place in given]
     if not 3 <= len(corners) <= MAX_CORNERS:
-        message = f"a face of {len(corners)} corners; 3 to {MAX_CORNERS} are read"
+        message = f"a face of {counted(len(corners), 'corner')}; 3 to {MAX_CORNERS} are read"
         raise FormatError(message, path=path, line=number)
     if 0 in given or min(corners) < 0:
-        message = f"a face refers to vertex {min(given)}, with {known} vertices before it"
+        message = f"a face refers to vertex {min(given)}, with {counted(known, 'vertex')} before it"
         raise FormatError(message, path=path, line=number)
     return corners
 

@@ -23,6 +23,7 @@ from v3dcad.formats.mesh.threemf_roles import MATERIAL, MODIFIER, NEGATIVE, Role
 from v3dcad.geometry.mesh.boolean import subtracted
 from v3dcad.geometry.mesh.check import checked_mesh
 from v3dcad.model import Floats, Ints, Mesh
+from v3dcad.words import counted
 
 MAX_UNPACKED_BYTES = 2**30
 """Largest size that a file may unpack to."""
@@ -147,12 +148,12 @@ class _Build:
     def add(self, use: _Use, within: str, depth: int = 0, role: str = MATERIAL) -> None:
         """Add an object that lies within another and, moved with it, its components."""
         if not use.printable:
-            self.left_out["objects that are not to be printed"] += 1
+            self.left_out["unprintable object"] += 1
             return
         found = self.model(use.part).objects[use.number]
         if found.kind != "model":
             kind = "support" if "support" in found.kind else f"{found.kind!r}"
-            self.left_out[f"{kind} objects"] += 1
+            self.left_out[f"{kind} object"] += 1
             return
         role = self.roles.components.get((within, use.number), role)
         self.components += 1
@@ -182,7 +183,7 @@ class _Build:
         for first, last, own in ranges:
             some = rows[first : last + 1]
             if own == MODIFIER:
-                self.left_out["modifiers"] += 1
+                self.left_out["modifier"] += 1
             elif len(some):
                 self.meshes.setdefault(own, []).append(Mesh(points, some))
 
@@ -202,9 +203,10 @@ class _Build:
 
     def told(self) -> list[str]:
         """What to report of what was left out or subtracted."""
-        lines = [f"{count} {what} were left out" for what, count in self.left_out.items()]
+        lines = [f"left out {counted(count, what)}" for what, count in self.left_out.items()]
         negatives = len(self.meshes.get(NEGATIVE, ()))
-        return lines + ([f"{negatives} negative volumes were subtracted"] if negatives else [])
+        taken = [f"subtracted {counted(negatives, 'negative volume')}"] if negatives else []
+        return lines + taken
 
 
 def _read_model(stream: IO[bytes], part: str) -> _Model:
@@ -233,10 +235,10 @@ def _read_model(stream: IO[bytes], part: str) -> _Model:
             use = _Use(where, get["objectid"], _motion(get.get("transform")), printable)
             (components if name == "component" else items).append(use)
         elif name == BEAMS:
-            unread.append("beam lattices")
+            unread.append("beam lattice")
         elif name == "object":
             if SLICES in get:
-                unread.append("slice stacks")
+                unread.append("slice stack")
             corners = np.array(triangles, np.int64).reshape(-1, 3)
             points = np.array(vertices).reshape(-1, 3)
             if len(corners) and not 0 <= corners.min() <= corners.max() < len(points):

@@ -1,8 +1,8 @@
 """How functions are compiled: a decorator, and the options that go with what a function does.
 
-Signatures come from annotations (`signatures.py`), so that a function is compiled, or taken from
-numba's cache, when its module is loaded. One that only compiled code calls has to wait until such
-code is compiled: where all comes from the cache, it is in its callers already, and is not loaded.
+Each function has one signature, that of its annotations (`signatures.py`), and is compiled, or
+taken from numba's cache, when it is first called: by Python, or by code that is being compiled.
+Code that comes from the cache has in it what it calls.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
+from numba.core.dispatcher import Dispatcher
 
 from v3dcad.geometry.compiled.signatures import signature_of
 
@@ -46,28 +47,36 @@ INLINED: Options = {**INTERNAL, "forceinline": True}
 
 
 def compiled(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Compile an annotated function by numba, with options of this module."""
+    """Compile an annotated function by numba, with options of this module, once it is called."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        if "no_cpython_wrapper" in options:
-            return _when_called(function, options)
-        made: Callable[P, R] = njit(signature_of(function), **options)(function)
-        return made
+        made: Any = njit(**options)(function)
+        template_for = made.get_call_template
+
+        def call_template(arguments: Any, named: Any) -> Any:
+            compile_now(made)
+            return template_for(arguments, named)
+
+        def compiled_for(*_: Any, **__: Any) -> Any:
+            compile_now(made)
+            return made
+
+        made.get_call_template = call_template
+        made._compile_for_args = compiled_for  # asked for what to call, where nothing fits yet
+        called: Callable[P, R] = made
+        return called
 
     return decorate
 
 
-def _when_called(function: Callable[P, R], options: Options) -> Callable[P, R]:
-    """A function that is compiled, for its one signature, when a caller is."""
-    made: Any = njit(**options)(function)
-    template_for = made.get_call_template
+def compile_now(function: Any) -> None:
+    """Compile a function that `compiled` decorates, or take it from numba's cache."""
+    if not function.overloads:
+        function.compile(signature_of(function.py_func))
+        function.disable_compile()
+        vars(function).pop("_compile_for_args", None)  # from now on, what does not fit is an error
 
-    def call_template(arguments: Any, named: Any) -> Any:
-        if not made.overloads:
-            made.compile(signature_of(function))
-            made.disable_compile()
-        return template_for(arguments, named)
 
-    made.get_call_template = call_template
-    called: Callable[P, R] = made
-    return called
+def called_by_python(value: object) -> bool:
+    """Whether something is a function that `compiled` decorates and that Python may call."""
+    return isinstance(value, Dispatcher) and "no_cpython_wrapper" not in value.targetoptions

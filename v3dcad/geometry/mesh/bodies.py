@@ -18,6 +18,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.options import ENTRY, INLINED, compiled
 from v3dcad.model import Floats, Ints, Mesh
+from v3dcad.words import counted
 
 Flags = NDArray[np.bool_]
 
@@ -158,7 +159,7 @@ def overlap_findings(bodies: str, pairs: Pairs) -> Iterator[str]:
     for i, j, shared in sorted(pairs, key=lambda pair: -pair[2])[:SHOWN]:
         yield f"{bodies} {i + 1} and {j + 1} overlap by {shared:.4g} mm³: they are filled as one"
     if len(pairs) > SHOWN:
-        yield f"{len(pairs) - SHOWN} more pairs of {bodies} overlap by less"
+        yield f"{counted(len(pairs) - SHOWN, 'more pair')} of {bodies} overlap by less"
 
 
 def parts_of(mesh: Mesh) -> Iterator[tuple[float, Floats]]:

@@ -17,6 +17,7 @@ from v3dcad.geometry.mesh.bodies import (
 from v3dcad.geometry.mesh.holes import patch, rims_of
 from v3dcad.geometry.mesh.mending import near_welded, without_doubles, without_inner_sheets
 from v3dcad.model import Floats, Ints, Mesh
+from v3dcad.words import counted
 
 FLAT = 1e-12
 """Share of the cube over a mesh's diagonal: what encloses less has no inside."""
@@ -42,18 +43,19 @@ def checked_mesh(mesh: Mesh, *, repair: bool = False) -> tuple[Mesh, list[str]]:
         _refuse_open(vertices, triangles)
     triangles, turned = wound_alike(triangles)
     if turned:
-        findings.append(f"turned {turned} triangles that wound against their neighbours")
+        findings.append(f"turned {counted(turned, 'triangle')} that wound against the neighbours")
     rims = rims_of(triangles)
     if rims and not repair:
         raise GeometryError(
-            f"the triangles at {sum(map(len, rims))} edges of the mesh do not wind alike, "
+            f"triangles at {counted(sum(map(len, rims)), 'edge')} of the mesh do not wind alike, "
             f"{_where(vertices[rims[0]])}: let --repair close it"
         )
     if rims:
         patches = np.vstack([patch(vertices, rim) for rim in rims])
         triangles = np.vstack([triangles, patches])
         findings.append(
-            f"closed {len(rims)} holes with {_area(vertices, patches):.4g} mm² of triangles"
+            f"closed {counted(len(rims), 'hole')} with {_area(vertices, patches):.4g} mm² "
+            "of triangles"
         )
     triangles = _turned_outward(vertices, triangles, findings)
     _refuse_flat(vertices, triangles)
@@ -67,8 +69,8 @@ def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
     if lost.any():
         raise GeometryError(
-            f"{int(lost.sum())} vertices of the mesh are not finite numbers "
-            f"(the first is vertex {int(np.argmax(lost))})"
+            f"the mesh has {counted(int(lost.sum()), 'vertex')} with coordinates that are not "
+            f"finite numbers (the first is vertex {int(np.argmax(lost))})"
         )
     if mesh.triangles.min() < 0 or mesh.triangles.max() >= len(mesh.vertices):
         raise GeometryError(f"a triangle refers to a vertex beyond the mesh's {len(mesh.vertices)}")
@@ -77,7 +79,7 @@ def _welded(mesh: Mesh, findings: list[str]) -> tuple[Floats, Ints]:
     triangles = triangles[np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)]
     if len(triangles) < len(mesh.triangles):
         count = len(mesh.triangles) - len(triangles)
-        findings.append(f"dropped {count} triangles without area")
+        findings.append(f"dropped {counted(count, 'triangle')} without area")
     return vertices, triangles
 
 
@@ -91,8 +93,9 @@ def _refuse_open(vertices: Floats, triangles: Ints) -> None:
     faulty = odd if odd.any() else boundary
     middles = vertices[sides.ends[sides.starts[:-1][faulty]]].mean(axis=1)
     raise GeometryError(
-        f"the mesh {'is not closed' if odd.any() else 'is open'}: {int(boundary.sum())} boundary "
-        f"edges and {int((uses > 2).sum())} non-manifold edges, {_where(middles)}: close it, or "
+        f"the mesh {'is not closed' if odd.any() else 'is open'}: "
+        f"{counted(int(boundary.sum()), 'boundary edge')} and "
+        f"{counted(int((uses > 2).sum()), 'non-manifold edge')}, {_where(middles)}: close it, or "
         "let --repair patch the holes"
     )
 

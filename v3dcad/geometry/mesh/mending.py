@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 
 from v3dcad.geometry.mesh.bodies import sheets_of, sides_of
 from v3dcad.model import Floats, Ints
+from v3dcad.words import counted
 
 NEAR = 1e-6
 """Share of a mesh's greatest coordinate or size: sixteen times the rounding of single precision."""
@@ -89,10 +90,8 @@ def near_welded(
         share *= 10
     if welded is not triangles:
         moved = np.linalg.norm(vertices[place] - vertices, axis=1).max()
-        findings.append(
-            f"joined {int((place != np.arange(len(place))).sum())} corners that lay up to "
-            f"{moved:.2g} mm beside another"
-        )
+        corners = counted(int((place != np.arange(len(place))).sum()), "corner")
+        findings.append(f"joined {corners} that lay up to {moved:.2g} mm beside another")
     return welded
 
 
@@ -148,6 +147,7 @@ def without_inner_sheets(vertices: Floats, triangles: Ints, findings: list[str])
     dropped = gone[sheet]
     if dropped.any():
         findings.append(
-            f"dropped {int(gone.sum())} fins and inner walls, {int(dropped.sum())} triangles"
+            f"dropped fins and inner walls: {counted(int(gone.sum()), 'sheet')} of "
+            f"{counted(int(dropped.sum()), 'triangle')}"
         )
     return triangles[~dropped]

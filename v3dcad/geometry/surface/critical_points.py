@@ -32,6 +32,8 @@ def critical_points(mesh: SurfaceMesh) -> tuple[Ints, Floats]:
 
     Candidates only: a point next to a face's boundary may lie outside it.
     """
+    if not (mesh.coefficients[mesh.surfaces] > CONE).any():
+        return np.empty(0, np.int64), np.empty((0, 2))
     order = np.argsort(mesh.faces, kind="stable")
     first = np.searchsorted(mesh.faces[order], np.arange(len(mesh.surfaces) + 1))
     found, parameters = _search(mesh.coefficients, mesh.surfaces, mesh.corners[order], first)

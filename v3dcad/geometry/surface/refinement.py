@@ -38,6 +38,8 @@ def refined(mesh: SurfaceMesh, triangles: Ints, parameters: Floats) -> SurfaceMe
         mesh.coefficients, mesh.surfaces, mesh.edge_faces, mesh.edge_curves, mesh.edge_spans
     )
     turning = np.flatnonzero(turns[:, 1] > 0)
+    if not len(triangles) and not len(turning):
+        return mesh
     order = np.argsort(mesh.sides.ravel(), kind="stable")
     owners = (order[np.count_nonzero(mesh.sides < 0) :] // 3).reshape(-1, 2)
     room = 64 + 4 * (len(triangles) + len(turning))

@@ -87,6 +87,7 @@ def list_neighbours(
         count = nearest(bins, places, places[row], wanted + 1, names, offsets, squares)
         if count == CROWDED:
             return False
-        lists[row] = names[1 : wanted + 1]
+        for k in range(wanted):  # numba takes two seconds to compile an assignment of slices
+            lists[row, k] = names[k + 1]
         reaches[row] = np.sqrt(squares[wanted])
     return True

@@ -17,7 +17,7 @@ from v3dcad.view.page.packing import pack
 from v3dcad.view.page.segments import UPRIGHT, Arrays, LayerArrays, layer_arrays
 from v3dcad.view.targets.declared import TARGETS
 from v3dcad.view.targets.shown import Lines
-from v3dcad.view.targets.whole import SHOWS
+from v3dcad.view.targets.whole import Span, cut
 
 MOST_SEGMENTS = 1_000_000
 """As many edges, and as many steps of a toolpath, a page holds; of more, layers are left out."""
@@ -57,7 +57,7 @@ def page(
         "site_heights": layers[0].state.sites[:, 2].astype(np.float32),
         "part_vertices": mesh.vertices.astype(np.float32),
         "part_triangles": mesh.triangles.astype(np.uint32),
-        **_cut(layers),
+        **_cut(layers, span),
         **(motion_arrays(motions[::step]) if motions else {}),
     }
     told = {
@@ -96,9 +96,9 @@ def _motions(toolpaths: Iterable[Toolpath], printing: PrintSettings) -> list[Mot
     return motions
 
 
-def _cut(layers: Sequence[Layer]) -> Arrays:
+def _cut(layers: Sequence[Layer], span: Span) -> Arrays:
     """The lines of the vertical cut as x, y, z of both ends, mm."""
-    shown = SHOWS["cut"](layers)
+    shown = cut(layers, span)
 
     def ends(role: str) -> Floats:
         found: Floats = np.concatenate([_ends(one) for one in shown.lines if one.role == role])

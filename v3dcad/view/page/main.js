@@ -78,7 +78,7 @@ async function start() {
   if (told.live) live.follow(told.live, () => state.values, tell);
   byId("app").dataset.ready = "yes";
   // For tests and for the curious: what is shown, and how it is drawn.
-  globalThis.v3dcad = { state, stage, structure, toolpath, told };
+  globalThis.v3dcad = { state, stage, drawing, structure, toolpath, told };
 }
 
 // In a toolpath, layer and moment go together: each follows the other.

@@ -7,11 +7,17 @@ import { shared } from "./strokes.js";
 THREE.ColorManagement.enabled = false; // colours are shown as they are written
 
 const FIELD = 32; // degrees of view, from bottom to top
+const SLOW = 100; // ms: if frames take longer while the eye moves, fewer segments are drawn
+const FEWEST = 16; // of so many segments one is always drawn
+const REST = 200; // ms after a motion until all are drawn again
 const FROM = [0.55, -1, 0.62]; // where the eye stands at first: in front, to the right, above
 
 export class Stage {
   #asked = false;
   #before = [];
+  #moving = false;
+  #coarse = 1; // of how many segments one is drawn in motion
+  #rest = null;
 
   constructor(canvas, [low, high]) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
@@ -28,6 +34,8 @@ export class Stage {
     this.controls.minDistance = this.radius / 20;
     this.controls.maxDistance = this.radius * 12;
     this.controls.addEventListener("change", () => this.ask());
+    this.controls.addEventListener("start", () => this.move());
+    this.controls.addEventListener("end", () => this.rest());
     new ResizeObserver(() => this.#resize(canvas)).observe(canvas.parentElement);
     this.#resize(canvas);
     this.look(FROM);
@@ -70,6 +78,29 @@ export class Stage {
     this.ask();
   }
 
+  // The eye begins to move: where frames were slow, only some segments are drawn until it rests.
+  move() {
+    clearTimeout(this.#rest);
+    this.#moving = true;
+    shared.every.value = this.#coarse;
+  }
+
+  // The motion has ended; soon all segments are drawn again, if it does not begin anew.
+  rest() {
+    this.#rest = setTimeout(() => {
+      this.#moving = false;
+      shared.every.value = 1;
+      this.ask();
+    }, REST);
+  }
+
+  // A frame of the motion took so long, ms.
+  paced(taken) {
+    if (!this.#moving || taken <= SLOW) return;
+    this.#coarse = Math.min(2 * this.#coarse, FEWEST);
+    shared.every.value = this.#coarse;
+  }
+
   // Have `prepare` called before each frame.
   before(prepare) {
     this.#before.push(prepare);
@@ -79,10 +110,11 @@ export class Stage {
   ask() {
     if (this.#asked) return;
     this.#asked = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
       this.#asked = false;
       this.controls.update();
       this.draw();
+      if (this.#moving) requestAnimationFrame((then) => this.paced(then - now));
     });
   }
 

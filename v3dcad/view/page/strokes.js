@@ -10,6 +10,7 @@ export const shared = {
   plane: { value: new THREE.Vector4(0, 0, 0, 1) }, // x · normal > w is cut away
   background: { value: new THREE.Color() },
   depths: { value: new THREE.Vector2(0, 1) }, // where the haze begins and ends, mm from the eye
+  every: { value: 1 }, // only each so many segments are drawn, while the eye moves and frames are slow
 };
 
 const LINE = `
@@ -39,6 +40,7 @@ const vertexShader = (body) => `
   uniform highp sampler2D ends;
   uniform vec2 pixels, depths, span;
   uniform float width, nearer;
+  uniform int every;
   out vec3 place;
   out float light, way, haze;
   const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
@@ -46,7 +48,7 @@ const vertexShader = (body) => `
     vec2(0, -1), vec2(1, -1), vec2(1, 1), vec2(0, -1), vec2(1, 1), vec2(0, 1));
   void main() {
     vec2 corner = CORNERS[gl_VertexID % 6];
-    int at = gl_VertexID / 6 * 2, wide = textureSize(ends, 0).x;
+    int at = gl_VertexID / 6 * every * 2, wide = textureSize(ends, 0).x;
     vec4 first = texelFetch(ends, ivec2(at % wide, at / wide), 0);
     vec4 second = texelFetch(ends, ivec2(at % wide + 1, at / wide), 0);
     vec3 start = first.xyz, stop = second.xyz;
@@ -95,7 +97,7 @@ export function segments(ends, { shares, leans } = {}) {
 
 export class Strokes {
   #shown = true;
-  #empty = true;
+  #rows = [0, 0];
 
   // Lines of a width in pixels; or strips, if `strip` says from where to where above (or below) the
   // segments they reach, mm.
@@ -119,6 +121,10 @@ export class Strokes {
     });
     this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
     this.mesh.frustumCulled = false; // its places are known to the graphics card only
+    this.mesh.onBeforeRender = () => {
+      const [first, end] = this.#rows.map((row) => Math.ceil(row / shared.every.value));
+      this.mesh.geometry.setDrawRange(6 * first, 6 * (end - first));
+    };
     this.replace(found).fade(opacity);
   }
 
@@ -138,14 +144,13 @@ export class Strokes {
 
   // Draw only some of the segments, from `first` to before `end`; the others cost nothing.
   rows(first, end) {
-    this.mesh.geometry.setDrawRange(6 * first, 6 * (end - first));
-    this.#empty = end <= first;
+    this.#rows = [first, end];
     return this.show(this.#shown);
   }
 
   show(shown) {
     this.#shown = shown;
-    this.mesh.visible = shown && !this.#empty; // what is empty needs no draw call
+    this.mesh.visible = shown && this.#rows[1] > this.#rows[0]; // else it needs no draw call
     return this;
   }
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Ints, Layer
 from v3dcad.view.targets.shown import Areas, Labels, Lines, Preview, Scale
+from v3dcad.words import counted
 
 
 def layer_alone(layer: Layer) -> Preview:
@@ -99,7 +100,7 @@ def _neighbours(layer: Layer, cell: int, target: str, neighbour: int | None) -> 
     pairs = layer.diagram.neighbours
     beside = np.unique(pairs[(pairs == cell).any(axis=1)])
     beside = beside[beside != cell]
-    title = f"{len(beside)} neighbours of cell {cell}"
+    title = f"{counted(len(beside), 'neighbour')} of cell {cell}"
     if target == "neighbour":
         if neighbour not in beside:
             asked = "no neighbour is chosen" if neighbour is None else f"neighbour {neighbour}"

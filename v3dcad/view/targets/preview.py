@@ -20,17 +20,19 @@ def preview(
     cell: int | None = None,
     neighbour: int | None = None,
     toolpaths: Iterable[Toolpath] = (),
+    span: whole.Span = whole.NO_SPAN,
 ) -> Preview:
     """What a target shows of a structure's layers, where its source lies.
 
     `index` is the layer that is meant, `cell` and `neighbour` are site numbers, `toolpaths` those
-    of all layers, ascending; targets that need none of them leave them unread. Of layers that are
+    of all layers, ascending, `span` their `FillSettings.layer_span`; targets that need none of them
+    leave them unread. Of layers that are
     computed when they are asked for, only one is, but by `full`, `cut` and `overhang`, which go
     through all. Raises `SettingError` for a target, layer, cell or neighbour that is not there.
     """
     target_of(target)
     if target in whole.SHOWS:
-        return whole.SHOWS[target](layers).at_source(placement)
+        return whole.SHOWS[target](layers, span).at_source(placement)
     if not 0 <= index < len(layers):
         raise SettingError("layer", f"layer {index}: the layers are 0 to {len(layers) - 1}")
     layer = layers[index]

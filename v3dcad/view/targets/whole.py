@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
@@ -13,11 +14,17 @@ from v3dcad.model import Floats, Ints, Layer, Placement
 from v3dcad.view.targets.one_layer import contours, walls_and_contours
 from v3dcad.view.targets.shown import Labels, Lines, Preview, Scale
 from v3dcad.view.vertical_cut import vertical_cut
+from v3dcad.words import counted
 
 MOST_LINES = 500_000
 """About how many lines are shown at most: of more, every so many layers are left out."""
 
 NO_LABELS = Labels.none()
+
+Span = tuple[float, float]
+"""How high a layer is, and where it begins over its section, mm (`FillSettings.layer_span`)."""
+
+NO_SPAN = (0.0, 0.0)
 
 
 def layer_step(layers: Sequence[Layer], most: int = MOST_LINES) -> int:
@@ -30,7 +37,7 @@ def layer_step(layers: Sequence[Layer], most: int = MOST_LINES) -> int:
     return max(1, math.ceil(len(layers) * len(layers[len(layers) // 2].diagram.edges) / most))
 
 
-def full(layers: Sequence[Layer], most: int = MOST_LINES) -> Preview:
+def full(layers: Sequence[Layer], _: Span = NO_SPAN, *, most: int = MOST_LINES) -> Preview:
     """Walls and contours of all layers, or of every so many where there are very many lines."""
     step = layer_step(layers, most)
     drawn = [walls_and_contours(layer) for layer in islice(layers, 0, None, step)]
@@ -39,7 +46,7 @@ def full(layers: Sequence[Layer], most: int = MOST_LINES) -> Preview:
     return Preview(target="full", title=title, lines=lines, labels=NO_LABELS, cells=_NONE)
 
 
-def overhang(layers: Sequence[Layer], most: int = MOST_LINES) -> Preview:
+def overhang(layers: Sequence[Layer], _: Span = NO_SPAN, *, most: int = MOST_LINES) -> Preview:
     """Walls of all layers by their tilt from the vertical, degrees, and the contours as context.
 
     Thinned like `full`.
@@ -65,12 +72,13 @@ def overhang(layers: Sequence[Layer], most: int = MOST_LINES) -> Preview:
     )
 
 
-def cut(layers: Sequence[Layer]) -> Preview:
+def cut(layers: Sequence[Layer], span: Span = NO_SPAN) -> Preview:
     """Walls and contours in the plane y = 0 of the bed; bottom and top contours as context."""
-    found = vertical_cut(layers)
-    ends = [layers[index] for index in sorted({0, len(layers) - 1})] if layers else []
+    found = vertical_cut(layers, span=span)
+    height, base = span
+    ends = ((0, base), (-1, base + height)) if layers else ()
     lines = (
-        _joined("context", [contours(layer) for layer in ends]),
+        _joined("context", [_lifted(contours(layers[index]), above) for index, above in ends]),
         Lines("contour", found.points, found.contours),
         Lines("wall", found.points, found.walls),
     )
@@ -78,7 +86,7 @@ def cut(layers: Sequence[Layer]) -> Preview:
     return Preview(target="cut", title=title, lines=lines, labels=NO_LABELS, cells=_NONE)
 
 
-SHOWS: dict[str, Callable[[Sequence[Layer]], Preview]] = {
+SHOWS: dict[str, Callable[[Sequence[Layer], Span], Preview]] = {
     "full": full,
     "cut": cut,
     "overhang": overhang,
@@ -136,7 +144,13 @@ _NONE = np.empty(0, np.int64)
 
 
 def _counted(layers: Sequence[Layer], step: int) -> str:
-    return f"{len(layers)} layers" if step == 1 else f"one in {step} of {len(layers)} layers"
+    whole = counted(len(layers), "layer")
+    return whole if step == 1 else f"one in {step} of {whole}"
+
+
+def _lifted(lines: Lines, above: float) -> Lines:
+    """Lines so much higher, mm."""
+    return replace(lines, points=lines.points + np.array([0.0, 0.0, above]))
 
 
 def _joined(role: str, drawn: Sequence[Lines]) -> Lines:

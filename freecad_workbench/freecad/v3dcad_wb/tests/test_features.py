@@ -13,7 +13,7 @@ from typing import Any
 
 import FreeCAD as App
 import Part
-from freecad.v3dcad_wb import environment, exchange, restore
+from freecad.v3dcad_wb import environment, exchange, restore, source
 from freecad.v3dcad_wb.backend import PREFIX, Job, worker
 from freecad.v3dcad_wb.features import FRESH, make_voronoi_fill, request_of
 from freecad.v3dcad_wb.places import PREFERENCES
@@ -189,6 +189,30 @@ class Features(unittest.TestCase):
         fill.touch()
         self.doc.recompute()
         self.assertEqual(worker._count, count)
+
+    def test_a_source_is_written_once_for_each_shape_and_place(self) -> None:
+        written = []
+
+        def keep(folder: Path, name: str, write: Any) -> str:
+            written.append(name)
+            return str(write_file(folder, name, write))
+
+        write_file, source.keep = source.keep, keep
+        try:
+            fill = self.fill()
+            self.assertEqual(len(written), 1)
+            fill.CellSize = 8.0
+            self.doc.recompute()
+            self.assertEqual(len(written), 1)
+            self.box.Placement.Base = App.Vector(5, -3, 4)
+            self.doc.recompute()
+            self.assertEqual(len(written), 2)
+            self.assertAlmostEqual(fill.Shape.BoundBox.ZMin, 4.5)
+            self.box.Height = 15
+            self.doc.recompute()
+            self.assertEqual(len(written), 3)
+        finally:
+            source.keep = write_file
 
     def test_thesis_method(self) -> None:
         fill = self.fill()
