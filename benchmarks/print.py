@@ -18,7 +18,7 @@ import shapely
 
 import v3dcad
 from v3dcad.formats.gcode.writer import write_gcode
-from v3dcad.model import BRIDGE, CELLS, EXTRUDE, PERIMETER, SOLID, Toolpath
+from v3dcad.model import BRIDGE, CELLS, EXTRUDE, PERIMETER, SOLID, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.certificate import printed_overhang
@@ -49,11 +49,23 @@ def segments(path: Toolpath, feature: int | None = None) -> np.ndarray:
     return ends[chosen if feature is None else chosen & (path.feature[1:] == feature)]
 
 
+def filled(path: Toolpath, width: float) -> shapely.Geometry:
+    """What a layer's beads of some width, mm, cover."""
+    lines = shapely.linestrings(segments(path))
+    return shapely.union_all(shapely.buffer(lines, width / 2, quad_segs=6), grid_size=1e-5)
+
+
 def fullness(path: Toolpath, spacing: float) -> float:
     """Plastic laid on a layer ÷ the room that its beads fill."""
-    lines = shapely.linestrings(segments(path))
-    filled = shapely.union_all(shapely.buffer(lines, spacing / 2, quad_segs=6), grid_size=1e-5)
-    return float(path.volume.sum() / LAYER_HEIGHT / filled.area)
+    return float(path.volume.sum() / LAYER_HEIGHT / filled(path, spacing).area)
+
+
+def bare(layer: Layer, path: Toolpath, width: float) -> float:
+    """Which share of the centre lines of a layer's walls no bead covers."""
+    diagram = layer.diagram
+    walls = shapely.linestrings(diagram.vertices[diagram.edges[diagram.inner()]])
+    left = shapely.difference(walls, filled(path, width))
+    return float(shapely.length(left).sum() / shapely.length(walls).sum())
 
 
 def beyond(path: Toolpath, width: float) -> int:
@@ -82,6 +94,11 @@ def row(name: str, part: Any, wall_beads: int) -> str:
     printed = [report for report in reports if report.strokes]
     spacing = options.bead_width - LAYER_HEIGHT * (1 - math.pi / 4)
     some = [path for path in paths[1::10] if len(path.points)]
+    uncovered = [
+        bare(layer, path, options.bead_width)
+        for layer, path in zip(layers[1::10], paths[1::10], strict=True)
+        if len(path.points)
+    ]
     full = [fullness(path, spacing) for path in some]
     lengths = np.concatenate([np.hypot(*np.diff(segments(path), axis=1)[:, 0].T) for path in paths])
     extruded = sum(report.extruded for report in reports)
@@ -97,6 +114,7 @@ def row(name: str, part: Any, wall_beads: int) -> str:
         f"{sum(report.retraced for report in reports) / extruded:.1%}",
         f"{np.mean(full) - 1:.1%}",
         f"{max(full) - 1:.1%}",
+        f"{np.mean(uncovered):.1%}",
         f"{overhang.length[:, kinds['walls']].sum() / walls:.2%}",
         *(
             f"{overhang.span[:, kinds[kind]].max():.1f}"
@@ -116,8 +134,8 @@ def row(name: str, part: Any, wall_beads: int) -> str:
 def main() -> None:
     """Print the table."""
     columns = (
-        "part wall_beads first_z stops beyond retrace overfill worst hang perimeters bridges walls "
-        "under_0.1 least_s told hours g trace_ms"
+        "part wall_beads first_z stops beyond retrace overfill worst bare hang perimeters bridges "
+        "walls under_0.1 least_s told hours g trace_ms"
     )
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for name, part in parts().items():

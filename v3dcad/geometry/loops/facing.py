@@ -36,24 +36,30 @@ class Facing(Value):
     """(n, 2) mm along the first loop: where the stretch begins and ends"""
     beyond: Floats
     """(n,) mm along the second loop of what faces the first's 0, so that x faces beyond − x"""
+    middle: Floats
+    """(n, 2) mm: the middle of the stretch on the first loop"""
+    ahead: Floats
+    """(n, 2) the unit vector along it"""
 
 
 def facing(loops: Loops, spacing: float) -> Facing:
     """All stretches on which two loops face each other about one bead `spacing` (mm) apart."""
-    room = 4 * len(loops.points)
+    room, none = 4 * len(loops.points), np.empty((0, 2))
     if not room:
-        return Facing(np.empty((0, 2), np.int64), np.empty((0, 2)), np.empty(0))
+        return Facing(np.empty((0, 2), np.int64), none, np.empty(0), none, none)
     at, _ = loops.positions()
     loop = np.repeat(np.arange(len(loops.owner)), np.diff(loops.first))
     segments = Segments.of(loops.points, loops.points[loops.after()], (1 + SLACK) * spacing)
     near = np.empty(len(loop) + 1, np.int64)
     while True:
         pairs, along, beyond = np.empty((room, 2), np.int64), np.empty((room, 2)), np.empty(room)
+        lines = np.empty((room, 4))
         count = _faced(
-            segments, loop, at, spacing, np.full(len(loop), -1), near, pairs, along, beyond
+            segments, loop, at, spacing, np.full(len(loop), -1), near, pairs, along, beyond, lines
         )
         if count <= room:
-            return Facing(pairs[:count], along[:count], beyond[:count])
+            middle, ahead = lines[:count, :2], lines[:count, 2:]
+            return Facing(pairs[:count], along[:count], beyond[:count], middle, ahead)
         room = count
 
 
@@ -68,6 +74,7 @@ def _faced(
     pairs: IntRows,
     along: FloatRows,
     beyond: FloatArray,
+    lines: FloatRows,
 ) -> int:
     """How many stretches there are; those that there is no room for are only counted."""
     count = 0
@@ -105,5 +112,7 @@ def _faced(
                 pairs[count, 0], pairs[count, 1] = loop[one], loop[other]
                 along[count, 0], along[count, 1] = at[one] + low, at[one] + high
                 beyond[count] = at[other] + share * long + at[one] + middle
+                lines[count, 0], lines[count, 1] = ax + ux * middle, ay + uy * middle
+                lines[count, 2], lines[count, 3] = ux, uy
             count += 1
     return count

@@ -26,12 +26,16 @@ from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import Floats, Ints, Value
 
 GOLDEN = (math.sqrt(5) - 1) / 2
-RESTED = 4
+LASTS = 5
+"""Layers for which a link stays where it is."""
+RESTED = 2 * LASTS
 """Layers after which a wall may have a link as if it never had had one."""
 ROOM = 0.5
 """Bead spacings between two cuts of a loop."""
 LONG = 6.0
 """Bead spacings: a stretch longer than this is no better a place than one of this length."""
+SNAP = 0.5
+"""Bead spacings from an end of its wall within which a link goes on to lie at that end."""
 LEAST_GAP = 0.6
 """A link is at least so many bead spacings wide."""
 GRID = 1e-6
@@ -55,58 +59,83 @@ class Curves(Value):
 
 
 class Linked:
-    """Which walls had a link lately, so that links do not lie above each other."""
+    """Where walls have links, and which had one lately.
+
+    A link stays for some layers, since whenever one comes or goes a little of the beads hangs. Then
+    its wall rests, so that links do not lie above each other all the way up.
+    """
 
     def __init__(self) -> None:
         self.layer = 0
         self._walls = np.empty(0, np.int64)
         self._last = np.empty(0, np.int64)
+        self._until = np.empty(0, np.int64)
+        self._places = np.empty((0, 2))
 
-    def rest(self, walls: Ints) -> Ints:
-        """(n,) layers since each wall had a link, at most `RESTED`."""
-        if not len(self._walls):
-            return np.full(len(walls), RESTED)
-        place = np.minimum(np.searchsorted(self._walls, walls), len(self._walls) - 1)
-        known = self._walls[place] == walls
-        return np.where(known, self.layer - self._last[place], RESTED)
+    def known(self, walls: Ints) -> tuple[Ints, Floats]:
+        """(n,) layers since each wall had a link, at most `RESTED`; and (n, 2) where it stays, mm.
 
-    def note(self, walls: Ints) -> None:
-        """Remember the walls that have a link on this layer and go on to the next."""
+        NaN where no link does.
+        """
+        rest, places = np.full(len(walls), RESTED), np.full((len(walls), 2), np.nan)
+        if len(self._walls):
+            place = np.minimum(np.searchsorted(self._walls, walls), len(self._walls) - 1)
+            (known,) = np.nonzero(self._walls[place] == walls)
+            place = place[known]
+            rest[known] = self.layer - self._last[place]
+            stay = (rest[known] == 1) & (self._until[place] > self.layer)
+            places[known[stay]] = self._places[place[stay]]
+        return rest, places
+
+    def note(self, walls: Ints, places: Floats) -> None:
+        """Remember the walls that have a link on this layer, and where; go on to the next."""
+        until = np.full(len(walls), self.layer + LASTS)
+        if self.layer == 0:  # Those of the first layer do not all go at once.
+            until -= np.arange(len(walls)) % LASTS
+        _, stays = self.known(walls)
+        (old,) = np.nonzero(~np.isnan(stays[:, 0]))
+        until[old] = self._until[np.searchsorted(self._walls, walls[old])]
+        still = self.layer + 1 - self._last < RESTED
+        self._walls, first = np.unique(
+            np.concatenate([walls, self._walls[still]]), return_index=True
+        )
+        last = np.full(len(walls), self.layer)
+        self._last = np.concatenate([last, self._last[still]])[first]
+        self._until = np.concatenate([until, self._until[still]])[first]
+        self._places = np.concatenate([places, self._places[still]])[first]
         self.layer += 1
-        still = (self.layer - self._last < RESTED) & ~np.isin(self._walls, walls)
-        known = np.concatenate([self._walls[still], walls])
-        last = np.concatenate([self._last[still], np.full(len(walls), self.layer - 1)])
-        self._walls, first = np.unique(known, return_index=True)
-        self._last = last[first]
 
 
 def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) -> Curves:
     """The loops joined as far as they face each other, in one closed curve for each group.
 
-    Kruskal's spanning forest: links as wide as the `spacing` (mm) first, then walls that have
-    rested longest (`linked` remembers), then long ones. A link lies at one end of its wall, where
-    it takes the place of two corners, which costs the least time; at which end goes by the golden
-    ratio from layer to layer, so that links seldom lie above each other. Corners nearer than
-    `shortest` (mm) to a cut are left out.
+    Kruskal's spanning forest: links as wide as the `spacing` (mm) first, those that stay where they
+    are (`linked` remembers), then walls that have rested longest, then long ones. A new link lies
+    at one end of its wall, where it takes the place of two corners, which costs the least time; at
+    which end goes by the golden ratio from layer to layer, so that links seldom lie above others.
+    Corners nearer than `shortest` (mm) to a cut are left out.
     """
     found = facing(loops, spacing)
     at, length = loops.positions()
     stretch = found.along[:, 1] - found.along[:, 0]
+    middle = found.along.mean(axis=1)
     owners = np.sort(loops.owner[found.loops], axis=1)
     walls = owners[:, 0] * OWNERS + owners[:, 1]
     turn = linked.layer * GOLDEN % 1.0
-    phase = (found.along.mean(axis=1) / length[found.loops[:, 0]] + turn) % 1.0
+    phase = (middle / length[found.loops[:, 0]] + turn) % 1.0
+    rest, places = linked.known(walls)
+    away = places - found.middle
+    stays = ~np.isnan(away[:, 0])
     order = np.lexsort(
         (
-            phase,
-            -np.rint(np.minimum(stretch, LONG * spacing) / spacing * 8),
-            -linked.rest(walls),
+            np.where(stays, (away**2).sum(axis=1), phase),
+            np.where(stays, 0, -np.rint(np.minimum(stretch, LONG * spacing) / spacing * 8)),
+            np.where(stays, -RESTED - 1, -rest),
             stretch < spacing,
         )
     )
     most = max(len(loops.owner) - 1, 0)
-    cuts = np.empty((2 * most, 2))
-    link = np.empty(most, np.int64)
+    cuts, link, middles = np.empty((2 * most, 2)), np.empty(most, np.int64), np.empty((most, 2))
     count = _choose(
         loops.points,
         loops.first,
@@ -116,12 +145,14 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
         found.loops,
         found.along,
         found.beyond,
+        middle + (away * found.ahead).sum(axis=1),
         spacing,
         turn,
         cuts,
         link,
+        middles,
     )
-    linked.note(walls[link[:count]])
+    linked.note(walls[link[:count]], middles[:count])
     on = found.loops[link[:count]].ravel()
     return _walked(loops, at, length, on, cuts[: 2 * count], shortest)
 
@@ -238,12 +269,17 @@ def _choose(
     loops: ConstIntRows,
     along: ConstFloatRows,
     beyond: ConstFloatArray,
+    wanted: ConstFloatArray,
     spacing: float,
     turn: float,
     cuts: FloatRows,
     link: IntArray,
+    middles: FloatRows,
 ) -> int:
-    """Kruskal's forest: for each link its stretch in `link`, two rows of `cuts`."""
+    """Kruskal's forest: for each link its stretch in `link`, two rows of `cuts`, and its middle.
+
+    Where on the first loop a link is `wanted`, mm along it, is tried first.
+    """
     count = 0
     parent = np.arange(len(length))
     latest = np.full(len(length), -1)
@@ -261,8 +297,17 @@ def _choose(
             if done or gap < LEAST_GAP * spacing:
                 continue
             slide = max(high - low - gap, 0.0)
-            for trial in range(5):
-                share = (end, 1 - end, turn, 1 - turn, 0.5)[trial]
+            for trial in range(-1, 5):
+                if trial >= 0:
+                    share = (end, 1 - end, turn, 1 - turn, 0.5)[trial]
+                elif math.isnan(wanted[k]):
+                    continue
+                else:
+                    share = (wanted[k] - low - gap / 2) / max(slide, GRID)
+                    if share * slide < SNAP * spacing:
+                        share = 0.0
+                    elif (1 - share) * slide < SNAP * spacing:
+                        share = 1.0
                 middle = low + gap / 2 + share * slide if slide > 0 else (low + high) / 2
                 start, stop = middle - gap / 2, middle + gap / 2
                 facing_start, facing_stop = beyond[k] - stop, beyond[k] - start
@@ -283,6 +328,8 @@ def _choose(
                     cuts[cut, 0], cuts[cut, 1] = begin, begin + gap
                     earlier[cut] = latest[loop]
                     latest[loop] = cut
+                x, y = _place(points, first[one], first[one + 1], at, length[one], middle)
+                middles[count, 0], middles[count, 1] = x, y
                 link[count] = k
                 count += 1
                 parent[_root(parent, one)] = _root(parent, other)
