@@ -7,11 +7,13 @@ import os
 import pty
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from v3dcad import warm_up
 from v3dcad.commands.compiling import MOST_HELPERS, NOTICE
 from v3dcad.warm_up import ALL, CELLS, PRINT
 
@@ -160,6 +162,16 @@ def test_helpers_load_each_module_once_the_last_first(listener: tuple[object, St
     assert alone.stdout.split() == [*reversed(CELLS)]
     assert os.read(same_queue, 1) == b"", "nothing is left for the others"
     subprocess.run(python, stdin=same_queue, cwd="/", check=True)  # finds the package anywhere
+
+
+def test_a_helper_ends_with_its_parent(monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded: list[Sequence[str]] = []
+    parents = iter([1, 1, 1, 0])
+    monkeypatch.setattr(warm_up, "warm_up", loaded.append)
+    monkeypatch.setattr(os, "getppid", lambda: next(parents))
+    monkeypatch.setattr(os, "read", lambda *_: b"0")
+    warm_up.warm_up_shared(CELLS)
+    assert loaded == [[CELLS[0]]] * 2
 
 
 def test_what_a_fill_compiles_first_is_first_in_the_list(samples: Path, tmp_path: Path) -> None:

@@ -102,6 +102,10 @@ def share(modules: Sequence[str]) -> int:
 
 
 def warm_up_shared(modules: Sequence[str]) -> None:
-    """Compile what is left of some modules in a pipe on stdin, from which others take as well."""
-    while byte := os.read(0, 1):
+    """Compile what is left of some modules in a pipe on stdin, from which others take as well.
+
+    Ends when the process that started this one has.
+    """
+    parent = os.getppid()
+    while os.getppid() == parent and (byte := os.read(0, 1)):
         warm_up([modules[byte[0] - FIRST_BYTE]])

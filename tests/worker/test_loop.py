@@ -289,8 +289,8 @@ def test_a_request_goes_before_the_next_step_of_other_work() -> None:
 def test_what_cannot_be_loaded_is_no_reason_to_end(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(sys.modules, "v3dcad.kernel.warm_up_part", None)
-    assert list(preparing()) == []
+    monkeypatch.setitem(sys.modules, "v3dcad.kernel.load", None)
+    assert list(preparing()) == ["v3dcad.pipeline"]
     assert "ModuleNotFoundError" in capsys.readouterr().err
 
 
