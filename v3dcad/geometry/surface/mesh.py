@@ -34,8 +34,9 @@ from v3dcad.geometry.surface.curves import LINE, curve_at
 from v3dcad.geometry.surface.surfaces import PLANE, height_at, surface_at
 from v3dcad.model import Floats, Ints, Value
 
-NEGLIGIBLE = 1e-10
-"""mm: a turn of an edge that rises less than this above its ends is not one."""
+NEGLIGIBLE = 1e-7
+"""mm, OCCT's confusion: a turn of an edge that rises less than this above its ends is not one. In
+slivers along a curve's inflection each split would make another such turn."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -25,7 +25,7 @@ from v3dcad.geometry.surface.mesh import SurfaceMesh, depth, project, turning_po
 from v3dcad.geometry.surface.surfaces import surface_at
 from v3dcad.model import Floats, Ints
 
-MAX_SPLITS_PER_EDGE = 64
+MAX_SPLITS_PER_EDGE = 16
 """Splits per edge that the mesh had: a bound for surfaces that ripple without end."""
 
 
