@@ -409,6 +409,16 @@ def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:
     assert "triangles" in run("ont", "info", tmp_path / "b.ont").stdout
 
 
+@pytest.mark.parametrize(("form", "told"), [("walls", True), ("solid", False)])
+def test_an_stl_of_walls_is_told_to_be_no_solid(
+    form: str, told: bool, samples: Path, tmp_path: Path
+) -> None:
+    fill = ("fill", samples / "pyramid.stl", "--layer-height", 10, "--cell-size", 20)
+    done = run(*fill, "--stl", tmp_path / "a.stl", "--stl-as", form)
+    assert done.returncode == 0, done.stderr
+    assert ("note          the STL holds walls without thickness" in done.stdout) == told
+
+
 def test_what_forms_refuse(
     samples: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from v3dcad.errors import SettingError
@@ -57,6 +58,12 @@ def test_what_is_said_to_fit_fits() -> None:
 
 def test_cells_of_many_sizes_are_refused_where_all_are_too_small() -> None:
     printing = PrintSettings(bead_width=0.8, nozzle_diameter=0.8)
-    check_cells(1.6, printing)
+    bounds = np.array([[0.0, 0, 0], [20, 30, 5]])
+    check_cells(1.6, bounds, printing)
+    check_cells("auto", bounds, printing)
     with pytest.raises(SettingError, match=r"cell_size 1.5: cells smaller than two beads .* 1.6"):
-        check_cells(1.5, printing)
+        check_cells(1.5, bounds, printing)
+    small = bounds / 25
+    check_cells(1.2, small, printing)  # as wide as the part
+    with pytest.raises(SettingError, match=r"give at least 1\.2"):
+        check_cells(1.1, small, printing)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -199,6 +200,24 @@ def test_obj_of_polygons(tmp_path: Path) -> None:
     assert part.findings == ("left out 1 free-form element",)
     (section,) = part.sections(np.array([0.5]))
     assert len(section.rings) == 1
+
+
+@pytest.mark.parametrize("ending", ["stl", "obj"])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_text_begins_with_a_mark_or_is_refused_as_utf_16(
+    ending: str, encoding: str, tmp_path: Path
+) -> None:
+    box = trimesh.creation.box([1, 2, 3])
+    text = trimesh.exchange.export.export_mesh(
+        box, None, file_type="stl_ascii" if ending == "stl" else "obj"
+    )
+    path = tmp_path / f"a.{ending}"
+    path.write_text(text, encoding=encoding)
+    if encoding == "utf-8-sig":
+        assert volume(v3dcad.part_from(path)) == pytest.approx(6)
+    else:
+        with pytest.raises(v3dcad.FormatError, match=r"UTF-16: save it as UTF-8"):
+            v3dcad.part_from(path)
 
 
 @pytest.mark.parametrize(

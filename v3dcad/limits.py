@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from v3dcad.errors import SettingError
-from v3dcad.model import BRIDGE, CELLS
-from v3dcad.settings import FillSettings, PrintSettings, option
+from v3dcad.model import BRIDGE, CELLS, Floats
+from v3dcad.settings import Field, FillSettings, PrintSettings, option
 from v3dcad.toolpath.bead import bead_areas
 
 NARROWEST, WIDEST = 0.6, 2.5
@@ -45,14 +45,21 @@ def check_limits(filling: FillSettings, printing: PrintSettings) -> None:
     _check_speeds(heights, printing)
 
 
-def check_cells(largest: float, printing: PrintSettings) -> None:
-    """Raise `SettingError` where even the largest cells, mm, are smaller than two beads."""
-    least = BEADS_ACROSS * printing.bead_width
+def check_cells(largest: float | str | Field, bounds: Floats, printing: PrintSettings) -> None:
+    """Raise `SettingError` where even the largest cells of a part, mm, are smaller than two beads.
+
+    A part with `bounds` (2, 3), mm, that is itself smaller takes cells as wide as it is. Of a field
+    and of "auto" nothing is known yet.
+    """
+    if not isinstance(largest, float | int):
+        return
+    across = float((bounds[1] - bounds[0])[:2].max())
+    least = min(BEADS_ACROSS * printing.bead_width, across)
     if largest < least:
         raise SettingError(
             "cell_size",
             f"--cell-size {largest:g}: cells smaller than two beads of {printing.bead_width:g} mm "
-            f"cannot be printed; give at least {least:g}, or a smaller --bead-width",
+            f"cannot be printed; give at least {least:.4g}, or a smaller --bead-width",
         )
 
 

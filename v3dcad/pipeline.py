@@ -153,12 +153,8 @@ class Structure(Forms, Views, Pages):
         from v3dcad.limits import check_cells, check_limits
 
         size = self.settings.cell_size
-        if self.graded is not None:
-            check_cells(self.graded.asked[1], settings)
-        elif isinstance(size, float | int) and size < auto_cell_size(
-            np.ptp(self.part.bounds, axis=0)
-        ):
-            check_cells(size, settings)
+        largest = self.graded.asked[1] if self.graded is not None else size
+        check_cells(largest, self.part.bounds, settings)
         check_limits(self.settings, settings)
 
     def properties(

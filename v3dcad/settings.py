@@ -569,11 +569,25 @@ class PrintSettings(Checked):
     z_hop: float = setting(
         0.0, "Height the nozzle is raised by when it is retracted.", unit="mm", least=0, most=100
     )
+    wipe: float = setting(
+        0.0,
+        "How far the nozzle first goes back over its bead when it is retracted, so that it leaves "
+        "no drop.",
+        unit="mm",
+        least=0,
+        most=100,
+    )
 
     nozzle_temperature: float = setting(
         205.0, "Temperature of the nozzle.", unit="°C", least=0, most=500
     )
     bed_temperature: float = setting(60.0, "Temperature of the bed.", unit="°C", least=0, most=200)
+    first_layer_hotter: float = setting(
+        5.0, "How much hotter the nozzle is on the first layer.", unit="°C", least=-50, most=50
+    )
+    first_layer_bed_hotter: float = setting(
+        0.0, "How much hotter the bed is on the first layer.", unit="°C", least=-50, most=50
+    )
     fan: float = setting(100.0, "Power of the part's fan.", unit="%", least=0, most=100)
     bridge_fan: float = setting(
         100.0,
@@ -615,7 +629,8 @@ class PrintSettings(Checked):
         "", "Name of the printer that `send` sends to, as `printer list` shows it."
     )
     start_gcode: str = setting(
-        START, "G-code before the first move; {nozzle_temperature} stands for that setting's value."
+        START,
+        "G-code before the first move; {nozzle_temperature} stands for that of the first layer.",
     )
     end_gcode: str = setting(END, "G-code after the last move, with the same placeholders.")
 
@@ -645,6 +660,14 @@ class PrintSettings(Checked):
         """Acceleration of perimeter, solid, bridge or travel, mm/s²."""
         value = getattr(self, f"{what}_acceleration")
         return self.acceleration if isinstance(value, str) else float(value)
+
+    def first_layer_temperatures(self) -> tuple[float, float]:
+        """Of nozzle and bed, °C; what is not heated is not heated on the first layer."""
+        nozzle, bed = self.nozzle_temperature, self.bed_temperature
+        return (
+            max(nozzle + self.first_layer_hotter, 0.0) if nozzle else 0.0,
+            max(bed + self.first_layer_bed_hotter, 0.0) if bed else 0.0,
+        )
 
     def switches_for_travel(self) -> bool:
         """Whether each travel must be told its acceleration: Klipper has one for all moves."""

@@ -30,6 +30,7 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_area
 from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.report import LayerReport, findings
+from v3dcad.toolpath.stroke import way_back
 
 THESIS = pytest.mark.parametrize("thesis", [False, True])
 ORDERS = ["together", "before", "after"]
@@ -228,6 +229,43 @@ def test_retraction_and_hop_surround_a_travel() -> None:
         flat = path.points[place:back, :2]
         assert np.hypot(*np.diff(flat, axis=0).T).sum() >= 2.0
     assert np.count_nonzero(path.kind == UNRETRACT) == len(pulled)
+
+
+def test_a_wipe_goes_back_over_the_bead_before_the_hop() -> None:
+    """And prints the same: the beads are those without a wipe."""
+    made = stack(2, 25)
+    settings = {"thesis": True, "retraction": 1.0, "z_hop": 0.5, "retraction_travel": 2.0}
+    paths, plain = (traced(made, **settings, wipe=wipe)[0] for wipe in (1.5, 0.0))
+    wiped, before = 0, np.full(3, np.nan)
+    for path, other in zip(paths, plain, strict=True):
+        extruding, others = (one.kind == EXTRUDE for one in (path, other))
+        np.testing.assert_array_equal(path.points[extruding], other.points[others])
+        beads = drawn(path).buffer(1e-6)
+        points = np.vstack([before, path.points])
+        for place in np.nonzero(path.kind == RETRACT)[0].tolist():
+            low = points[place + 1, 2]
+            rises = place + 1 + int(np.argmax(points[place + 1 :, 2] > low))
+            way = points[place + 1 : rises, :2]
+            assert np.hypot(*np.diff(way, axis=0).T).sum() == pytest.approx(1.5)
+            if low == path.points[-1, 2]:
+                assert beads.covers(shapely.linestrings(way))
+                wiped += 1
+        before = path.points[-1]
+    assert wiped > 10
+
+
+def test_the_way_back_over_a_stroke() -> None:
+    stroke = np.array([[0.0, 0], [4, 0], [4, 1], [4, 1], [4, 3]])
+    for length, expected in (
+        (0.5, [[4, 2.5]]),
+        (2.0, [[4, 1]]),
+        (2.5, [[4, 1], [4, 1], [4, 0.5]]),
+        (99.0, [[4, 1], [4, 1], [4, 0], [0, 0]]),
+        (0.0, np.empty((0, 2))),
+    ):
+        np.testing.assert_allclose(way_back(stroke, length), expected)
+    for nothing in (stroke[:0], stroke[:1], stroke[2:4]):
+        assert not len(way_back(nothing, 1.0))
 
 
 def test_short_travels_are_not_retracted() -> None:

@@ -80,7 +80,7 @@ def fill(
     files = _files(part, out, named)
     exporting = ExportSettings(**given(ExportSettings, settings))
     chosen = given(FillSettings, settings)
-    from v3dcad.limits import check_cells, check_limits
+    from v3dcad.limits import check_limits
     from v3dcad.parts import BREP, ONT, STEP, check_readable
     from v3dcad.recipes import known_settings
 
@@ -90,8 +90,6 @@ def fill(
         known = known_settings(chosen)  # all that can be known before the part is read
         if "gcode" in files:
             check_limits(known, printing)
-            if isinstance(known.cell_size, float | int):
-                check_cells(known.cell_size, printing)
     if part.suffix.lower() in (*STEP, *BREP) or files.keys() & {"step", "brep"}:
         import_module("v3dcad.kernel")  # where it is missing, that is told before anything is done
     # Loading, filling, the certificate (with the report), and each other file; where no G-code is

@@ -38,6 +38,7 @@ def filled(
     `options` are those of `part_of`. What takes long is told before it begins, and refused where
     there is no room for it, nor for the file `gcode`.
     """
+    from v3dcad.limits import check_cells
     from v3dcad.pipeline import fill
     from v3dcad.recipes import known_settings
 
@@ -50,7 +51,10 @@ def filled(
     progress.start("reading and cutting the part")
     source = part_of(part, **options)
     if source is not None and sites_file is None:
-        expected = estimated(source.bounds, known_settings(settings))
+        known = known_settings(settings)
+        if gcode is not None:
+            check_cells(known.cell_size, source.bounds, printing)
+        expected = estimated(source.bounds, known)
         if expected is not None:
             progress.pause()
             tell(expected, gcode)

@@ -38,7 +38,7 @@ from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import shells
-from v3dcad.toolpath.stroke import Stroke, capped
+from v3dcad.toolpath.stroke import Stroke, capped, way_back
 from v3dcad.toolpath.travel import Traveller
 
 OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
@@ -135,6 +135,7 @@ class Nozzle:
         self._speed = np.zeros(0)
         self._traveller: Traveller
         self.started = False
+        self._last = np.empty((0, 2))
         self._steps: list[Steps] = []
 
     def rise(self, layer: Layer, traveller: Traveller) -> None:
@@ -172,6 +173,7 @@ class Nozzle:
             )
         )
         self.position = self._steps[-1].points[-1]
+        self._last = stroke.points
 
     def taken(self, layer: int) -> Toolpath:
         """The steps so far, as the toolpath of a layer; then there are none."""
@@ -193,6 +195,9 @@ class Nozzle:
         raised = level + settings.z_hop if retracts else level
         if retracts:
             self._go([tuple(here)], RETRACT, settings.retraction_speed)
+            for point in way_back(self._last, settings.wipe):
+                self._go([(*point, here[2])], TRAVEL, settings.travel_speed)
+            here = self.position
         if here[2] != raised:
             self._go([(here[0], here[1], raised)], TRAVEL, settings.z_speed)
         if apart > 0:

@@ -26,6 +26,19 @@ class Stroke(NamedTuple):
     other: Ints | None = None
 
 
+def way_back(points: Floats, length: float) -> Floats:
+    """Points (m, 2) on the way back over a stroke (k, 2) from its end, at most `length` mm."""
+    back = points[::-1]
+    steps = np.hypot(*np.diff(back, axis=0).T) if len(back) else np.empty(0)
+    reached = np.concatenate([[0.0], np.cumsum(steps)])
+    if length <= 0 or reached[-1] <= 0:
+        return points[:0]
+    stop = min(length, float(reached[-1]))
+    last = [np.interp(stop, reached, back[:, axis]) for axis in (0, 1)]
+    passed = (reached > 0) & (reached < stop)
+    return np.vstack([back[passed], last])
+
+
 def capped(strokes: Sequence[Stroke], spacing: float) -> tuple[list[Stroke], Segments]:
     """The strokes of a layer with no more bead than there is room for, beads `spacing` (mm) wide.
 

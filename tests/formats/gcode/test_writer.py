@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from simulated_printer import Printer
 
+import v3dcad
 from v3dcad.errors import SettingError
 from v3dcad.formats.gcode.blocks import duration_text
 from v3dcad.formats.gcode.lines import COLUMNS, DECIMALS, Lines, rendered
@@ -36,7 +37,12 @@ def wide(**settings: Any) -> PrintSettings:
 
 
 def written(layers: list[Layer], *, thesis: bool = False, **settings: Any) -> tuple[str, Totals]:
-    options = wide(**settings)
+    return written_with(wide(**settings), layers, thesis=thesis)
+
+
+def written_with(
+    options: PrintSettings, layers: list[Layer], *, thesis: bool = False
+) -> tuple[str, Totals]:
     stream = io.StringIO()
     totals = write_gcode(stream, trace(layers, options, thesis=thesis), options)
     return stream.getvalue(), totals
@@ -456,28 +462,16 @@ def test_the_reader_agrees_with_the_writer(thesis: bool, arcs: bool, tmp_path: P
     assert found.extruded_mm == pytest.approx(sum(m.length for m in printer.printing()), rel=1e-4)
 
 
-@pytest.mark.parametrize("thesis", [False, True])
-def test_time_is_that_of_pygcodedecode(thesis: bool, tmp_path: Path) -> None:
+def seconds_by_pygcodedecode(text: str, settings: PrintSettings, folder: Path) -> float:
+    """From the first move at the part to the last: it counts neither homing nor the end block."""
     interpreter = pytest.importorskip("pyGCodeDecode.gcode_interpreter")
-    options = wide(
-        print_speed=40.0,
-        perimeter_speed=40.0,
-        travel_speed=120.0,
-        retraction=1.0,
-        corner_speed=5.0,
-    )
-    stream = io.StringIO()
-    totals = write_gcode(stream, trace(stack(3, 25), options, thesis=thesis), options)
-    # From the first move at the part to the last: it counts neither homing nor the end block.
-    body = stream.getvalue()
-    first = body.index("G0 X")
-    file = tmp_path / "a.gcode"
-    file.write_text(
-        "G21\nG90\nM82\nG92 E0\n" + body[first : body.index("M73 P100")], encoding="utf-8"
-    )
-    presets = tmp_path / "printer.yaml"
+    body = text[text.index("G0 X") : text.index("M73 P100")]
+    file, presets = folder / "a.gcode", folder / "printer.yaml"
+    file.write_text(f"G21\nG90\nM82\nG92 E0\n{body}", encoding="utf-8")
     presets.write_text(
-        "test:\n  nozzle_diam: 0.8\n  filament_diam: 1.75\n  p_vel: 40\n  p_acc: 500\n  jerk: 5\n"
+        f"test:\n  nozzle_diam: {settings.nozzle_diameter}\n  filament_diam: 1.75\n"
+        f"  p_vel: {settings.print_speed}\n  p_acc: {settings.acceleration}\n"
+        f"  jerk: {settings.corner_speed}\n"
         "  vX: 500\n  vY: 500\n  vZ: 500\n  vE: 500\n  firmware: junction_deviation\n",
         encoding="utf-8",
     )
@@ -487,8 +481,31 @@ def test_time_is_that_of_pygcodedecode(thesis: bool, tmp_path: Path) -> None:
     simulation = interpreter.simulation(
         gcode_path=file, initial_machine_setup=setup, verbosity_level=0
     )
-    theirs = simulation.blocklist[-1].get_segments()[-1].t_end
+    return float(simulation.blocklist[-1].get_segments()[-1].t_end)
+
+
+@pytest.mark.parametrize("thesis", [False, True])
+def test_time_is_that_of_pygcodedecode(thesis: bool, tmp_path: Path) -> None:
+    options = wide(
+        print_speed=40.0,
+        perimeter_speed=40.0,
+        travel_speed=120.0,
+        retraction=1.0,
+        corner_speed=5.0,
+    )
+    text, totals = written_with(options, stack(3, 25), thesis=thesis)
+    theirs = seconds_by_pygcodedecode(text, options, tmp_path)
     assert totals.time_s == pytest.approx(theirs, rel=0.05)
+
+
+def test_time_of_a_part_by_default_is_that_of_pygcodedecode(samples: Path, tmp_path: Path) -> None:
+    """With skins, foam, slow small layers, retraction, hop and wipe."""
+    structure = v3dcad.fill(samples / "wedge.step", layer_height=0.2, cell_size=5)
+    options = PrintSettings(z_hop=0.2, wipe=1.0, skirt_loops=0, prime_line=0.0)
+    text, totals = written_with(options, list(structure.layers)[:12])
+    assert totals.time_s > 60
+    theirs = seconds_by_pygcodedecode(text, options, tmp_path)
+    assert totals.time_s == pytest.approx(theirs, rel=0.01)
 
 
 def test_retractions_are_in_the_file_as_traced() -> None:
@@ -555,6 +572,36 @@ def test_pressure_advance_in_the_firmwares_words(flavour: str, line: str) -> Non
     layers = [layer(scattered(5, 8, 1), square(8))]
     assert line in written(layers, flavour=flavour, pressure_advance=0.05)[0].splitlines()
     assert line.split()[0] not in written(layers, flavour=flavour)[0]
+
+
+def test_the_first_layer_may_be_hotter() -> None:
+    """The start block waits for it; the others' temperatures are set when the second begins."""
+    layers = stack(3, 5)
+    blocks = {
+        "start_gcode": "M140 S{bed_temperature}\nM109 S{nozzle_temperature}",
+        "end_gcode": "; {nozzle_temperature} {bed_temperature}",
+        "nozzle_temperature": 205.0,
+        "bed_temperature": 60.0,
+    }
+
+    def told(**settings: float) -> list[str]:
+        text = written(layers, **blocks, **settings)[0]
+        assert text.splitlines()[-1] == "; 205 60"
+        return [
+            line for line in text.splitlines() if line[:5] in ("M140 ", "M104 ", "M109 ", ";LAYE")
+        ]
+
+    opened = [";LAYER_COUNT:3", ";LAYER:0", ";LAYER:1"]
+    both = told(first_layer_hotter=5.0, first_layer_bed_hotter=-10.0)
+    assert both == ["M140 S50", "M109 S210", *opened, "M104 S205", "M140 S60", ";LAYER:2"]
+    nozzle = told(first_layer_hotter=5.0)
+    assert nozzle == ["M140 S60", "M109 S210", *opened, "M104 S205", ";LAYER:2"]
+    assert told(first_layer_hotter=0.0) == ["M140 S60", "M109 S205", *opened, ";LAYER:2"]
+
+
+def test_what_is_not_heated_is_not_heated_on_the_first_layer() -> None:
+    cold = PrintSettings(bed_temperature=0.0, nozzle_temperature=0.0, first_layer_bed_hotter=5.0)
+    assert cold.first_layer_temperatures() == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(("flavour", "how"), [("klipper", "M83"), ("marlin", "M82")])

@@ -139,7 +139,7 @@ def test_what_is_refused():
         checked_mesh(Mesh(np.zeros((3, 3)), np.empty((0, 3), np.int64)))
     lost = CUBE.vertices.copy()
     lost[3, 1] = np.nan
-    with pytest.raises(GeometryError, match=r"1 vertices .* vertex 3"):
+    with pytest.raises(GeometryError, match=r"1 vertex with .* vertex 3"):
         checked_mesh(Mesh(lost, CUBE.triangles))
     with pytest.raises(GeometryError, match="beyond"):
         checked_mesh(Mesh(CUBE.vertices, CUBE.triangles + 1))

@@ -78,11 +78,14 @@ def ending(settings: PrintSettings, totals: Totals) -> str:
 def filled(block: str, name: str, settings: PrintSettings, totals: Totals) -> str:
     """A start or end block, its placeholders replaced by values.
 
-    `{bed_temperature}` is replaced by that setting, and so are `{time_s}`, `{filament_mm}`,
-    `{layers}` and `{height}`; `{{` and `}}` by braces. Raises `SettingError` for an unknown
-    placeholder, or a brace by itself.
+    `{z_hop}` is replaced by that setting, and so are `{time_s}`, `{filament_mm}`, `{layers}` and
+    `{height}`; `{{` and `}}` by braces. Temperatures of a start block are those of the first layer.
+    Raises `SettingError` for an unknown placeholder, or a brace by itself.
     """
     known = {f.name: getattr(settings, f.name) for f in fields(settings)}
+    if name == "start_gcode":
+        first = settings.first_layer_temperatures()
+        known["nozzle_temperature"], known["bed_temperature"] = first
     del known["start_gcode"], known["end_gcode"]
     known |= {"time_s": round(totals.time_s), "layers": totals.layers}
     known["filament_mm"] = round(totals.filament_mm, 2)
@@ -172,6 +175,13 @@ def acceleration_line(settings: PrintSettings, value: float) -> bytes:
         if klipper
         else f"M204 P{value:g}\n".encode()
     )
+
+
+def temperature_lines(settings: PrintSettings) -> list[str]:
+    """What heats nozzle and bed from the second layer on, without waiting, where that differs."""
+    nozzle, bed = settings.first_layer_temperatures()
+    wanted = ("M104", nozzle, settings.nozzle_temperature), ("M140", bed, settings.bed_temperature)
+    return [f"{code} S{later:g}" for code, first, later in wanted if first != later]
 
 
 def _pressure_advance(settings: PrintSettings) -> list[str]:

@@ -14,7 +14,13 @@ from typing import IO, TextIO
 import numpy as np
 
 from v3dcad.errors import SettingError
-from v3dcad.formats.gcode.blocks import Totals, acceleration_line, ending, heading
+from v3dcad.formats.gcode.blocks import (
+    Totals,
+    acceleration_line,
+    ending,
+    heading,
+    temperature_lines,
+)
 from v3dcad.formats.gcode.lines import rendered
 from v3dcad.formats.gcode.moves import MoveWriter, origin
 from v3dcad.geometry.print_time import feature_accelerations, step_seconds
@@ -118,7 +124,8 @@ def _write_body(
         before = toolpath.points[-1]
         lines, step = writer.lines(toolpath)
         power = _fan(settings, totals.layers)
-        opening = _opening(toolpath, settings, power, blowing)
+        heating = temperature_lines(settings) if totals.layers == 1 else []
+        opening = _opening(toolpath, settings, [*heating, *_blow(power, blowing)])
         comments, blowing = _comments(toolpath, settings, power)
         body.write(opening)
         progress.append((len(opening), totals.time_s))
@@ -131,13 +138,15 @@ def _write_body(
     return progress
 
 
-def _opening(toolpath: Toolpath, settings: PrintSettings, power: int, blowing: int) -> bytes:
+def _opening(toolpath: Toolpath, settings: PrintSettings, told: list[str]) -> bytes:
     lines = [f";LAYER:{toolpath.layer[0]}"]
     if not settings.counts_from_before():
         lines.append("G92 E0")
-    if power != blowing:
-        lines.append(f"M106 S{power}")
-    return ("\n".join(lines) + "\n").encode("ascii")
+    return ("\n".join([*lines, *told]) + "\n").encode("ascii")
+
+
+def _blow(power: int, blowing: int) -> list[str]:
+    return [f"M106 S{power}"] if power != blowing else []
 
 
 def _comments(toolpath: Toolpath, settings: PrintSettings, power: int) -> tuple[list[bytes], int]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from v3dcad.errors import FormatError
+from v3dcad.formats.mesh.encoding import LOOKED_AT, mark_length
 from v3dcad.geometry.mesh.holes import patch
 from v3dcad.model import Floats, Mesh
 from v3dcad.words import counted
@@ -24,12 +25,13 @@ def read_obj(path: Path) -> tuple[Mesh, list[str]]:
 
     Polygons are cut into triangles of least area, so that they need not be convex. Raises
     `FormatError` with the line of a word that is not a finite number or of a reference to a vertex
-    that does not exist, and where there are no faces.
+    that does not exist, for text in UTF-16, and where there are no faces.
     """
     vertices: list[tuple[float, ...]] = []
     polygons: list[tuple[int, list[int]]] = []
     free_form = 0
     with path.open("rb") as lines:
+        lines.seek(mark_length(lines.read(LOOKED_AT), str(path)))
         for number, line in enumerate(_joined(lines), start=1):
             words = line.split(b"#", 1)[0].split()
             if not words:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from v3dcad.errors import FormatError
+from v3dcad.formats.mesh.encoding import LOOKED_AT, mark_length
 from v3dcad.formats.mesh.stl_ascii import ascii_corners
 from v3dcad.model import Floats, Mesh
 
@@ -23,18 +24,18 @@ def read_stl(path: Path) -> Mesh:
     data = path.read_bytes()
     if not data:
         raise FormatError("the file is empty; export it again", path=str(path))
-    if len(data) >= HEADER_BYTES:
-        announced = int.from_bytes(data[80:84], "little")
-        expected = HEADER_BYTES + announced * RECORD.itemsize
-        if len(data) == expected:
-            return welded(_binary_corners(data), str(path))
-        if not data.lstrip()[:5].lower() == b"solid":
-            raise FormatError(
-                f"neither ASCII STL nor a whole binary one: its header states {announced} "
-                f"triangles ({expected} bytes), the file has {len(data)} bytes; export it again",
-                path=str(path),
-            )
-    return welded(_ascii_corners(data, str(path)), str(path))
+    announced = int.from_bytes(data[HEADER_BYTES - 4 : HEADER_BYTES], "little")
+    expected = HEADER_BYTES + announced * RECORD.itemsize
+    if len(data) == expected:
+        return welded(_binary_corners(data), str(path))
+    text = data[mark_length(data[:LOOKED_AT], str(path)) :]
+    if len(data) >= HEADER_BYTES and not text.lstrip()[:5].lower() == b"solid":
+        raise FormatError(
+            f"neither ASCII STL nor a whole binary one: its header states {announced} "
+            f"triangles ({expected} bytes), the file has {len(data)} bytes; export it again",
+            path=str(path),
+        )
+    return welded(_ascii_corners(text, str(path)), str(path))
 
 
 def _binary_corners(data: bytes) -> Floats:

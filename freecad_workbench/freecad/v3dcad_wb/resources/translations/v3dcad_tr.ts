@@ -1152,12 +1152,24 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Z sıçraması</translation>
     </message>
     <message>
+      <source>Wipe</source>
+      <translation>Silme</translation>
+    </message>
+    <message>
       <source>Nozzle temperature</source>
       <translation>Nozul sıcaklığı</translation>
     </message>
     <message>
       <source>Bed temperature</source>
       <translation>Tabla sıcaklığı</translation>
+    </message>
+    <message>
+      <source>First layer hotter</source>
+      <translation>İlk katman daha sıcak</translation>
+    </message>
+    <message>
+      <source>First layer bed hotter</source>
+      <translation>İlk katmanda tabla daha sıcak</translation>
     </message>
     <message>
       <source>Fan</source>
