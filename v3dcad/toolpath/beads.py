@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.loops.joining import Linked
+from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
     BRIDGE,

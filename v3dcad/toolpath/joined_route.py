@@ -10,7 +10,8 @@ import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import links_rounded
-from v3dcad.geometry.loops.joining import Curves, Linked, joined
+from v3dcad.geometry.loops.joining import Curves, joined
+from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.loops import Loops, following
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
 from v3dcad.toolpath.cell_loops import cell_loops

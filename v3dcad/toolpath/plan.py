@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-from v3dcad.geometry.loops.joining import Linked
+from v3dcad.geometry.loops.links import Linked
 from v3dcad.model import (
     BRIDGE,
     BRIM,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from v3dcad.geometry.loops.joining import Linked
+from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     BRIDGE,

@@ -7,5 +7,6 @@ region       convex cells cut by an area's contours
 facing       where two loops face each other
 reach        which stretches of segments lie far from all others
 coverage     what room each bead has to itself
+links        which walls have links, and where, from layer to layer
 joining      loops cut where they face each other, and joined along a spanning forest
 """
