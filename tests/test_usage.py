@@ -87,7 +87,7 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     ("line", "found"),
     [
         ("v3dcad sli", ["slice"]),
-        ("v3dcad fill --first-layer-h", ["--first-layer-height"]),
+        ("v3dcad fill --first-layer-he", ["--first-layer-height"]),
         ("v3dcad fill a.step --flavour ", [*declared(PrintSettings, "flavour").choices]),
         ("v3dcad fill a.step --stretch col", ["columns"]),
     ],

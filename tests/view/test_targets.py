@@ -29,6 +29,7 @@ from v3dcad.view.targets.preview import preview
 from v3dcad.view.targets.shown import Preview
 from v3dcad.view.targets.sizes import QUANTILES, size_distribution
 from v3dcad.view.targets.whole import all_edges, full, layer_step, overhang
+from v3dcad.words import counted
 
 pytestmark = pytest.mark.slow
 
@@ -161,7 +162,7 @@ def test_neighbours_are_those_that_share_a_stretch_of_outline(name: str) -> None
         beside = neighbours_of(cells, cell)
         shown = preview("neighbours", layers, STILL, 3, cell)
         assert shown.labels.sites.tolist() == sorted([cell, *beside])
-        assert f"{len(beside)} neighbours of cell {cell}" in shown.title
+        assert f"{counted(len(beside), 'neighbour')} of cell {cell}" in shown.title
         np.testing.assert_array_equal(in_order(by_role(shown, "context")), in_order(contours))
         both = [beside, *([one] for one in beside)]
         targets = ["neighbours", *("neighbour" for _ in beside)]
