@@ -38,6 +38,8 @@ BACK = -0.2
 """The cosine between two beads of a stroke that run back rather than on."""
 PIECE = 4.0
 """Bead widths: longer beads are looked at piece by piece."""
+FEW = 2
+"""Pieces: a bead of no more is looked at without asking first which of them others come near to."""
 STEP = 0.5
 """Bead widths between two places at which room is measured."""
 COUNTS = np.arange(math.ceil(PIECE / STEP) + 1)
@@ -83,6 +85,7 @@ def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
         width,
         np.full(len(length), -1),
         np.empty(len(length) + 1, np.int64),
+        np.empty((len(length), 2)),
         np.empty((len(length), 2)),
         areas,
     )
@@ -149,6 +152,7 @@ def _measure(
     stamp: IntArray,
     near: IntArray,
     spans: FloatRows,
+    contacts: FloatRows,
     areas: FloatArray,
 ) -> None:
     """The area that each bead has to itself where others come near, from places along it.
@@ -162,11 +166,31 @@ def _measure(
             continue
         along_x, along_y = ends[one, 2] - ends[one, 0], ends[one, 3] - ends[one, 1]
         ux, uy = along_x / length[one], along_y / length[one]
-        # By pieces, so that few others are near.
+        # By pieces, so that few others are near; of long beads, those pieces that others come near
+        # to. Most lines of a skin have none.
         pieces = math.ceil(length[one] / (PIECE * width))
+        touching = 0
+        asked = pieces > FEW and not crowded[one]
+        if asked:
+            ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
+            visit += 1
+            for k in range(beside(segments, ax, ay, bx, by, width, stamp, visit, near)):
+                other = near[k]
+                if other == one or not _meets(segments, run, passed, length, width, one, other):
+                    continue
+                cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+                low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
+                if low <= high:
+                    contacts[touching, 0], contacts[touching, 1] = low, high
+                    touching += 1
         places = min(math.ceil(length[one] / (pieces * STEP * width)), len(ENDS) - 1)
         for piece in range(pieces):
             low, high = piece / pieces, (piece + 1) / pieces
+            alone = asked
+            for k in range(touching):
+                alone &= contacts[k, 0] > high or contacts[k, 1] < low
+            if alone:
+                continue
             ax, ay = ends[one, 0] + low * along_x, ends[one, 1] + low * along_y
             bx, by = ends[one, 0] + high * along_x, ends[one, 1] + high * along_y
             visit += 1
@@ -203,13 +227,13 @@ def _measure(
                         left = min(left, _room(x, y, -uy, ux, cx, cy, dx, dy))
                         right = min(right, _room(x, y, uy, -ux, cx, cy, dx, dy))
                 area += (left + right) * (to - from_) * long
-            alone = long * width
+            room = long * width
             # The notch outside a bend, a fan of which either bead has one half.
             for end in range(2):
                 if piece != (pieces - 1 if end else 0):
                     continue
                 bend = bends[one + end]
-                alone -= lost[one + end]
+                room -= lost[one + end]
                 if bend == 0:
                     continue
                 x, y = (bx, by) if end else (ax, ay)
@@ -226,4 +250,4 @@ def _measure(
                             dx, dy = ends[other, 2], ends[other, 3]
                             radius = min(radius, _room(x, y, nx, ny, cx, cy, dx, dy))
                     area += abs(bend) / 8 * radius * radius
-            areas[one] += area - alone
+            areas[one] += area - room
