@@ -184,6 +184,12 @@ def test_header_says_what_the_print_takes() -> None:
     assert ";MINX:100.400\n" in text
 
 
+def test_the_header_says_how_high_layers_are() -> None:
+    for count, said in ((1, 0.25), (2, 0.2), (5, 0.2)):
+        text, _ = written(stack(count), first_layer_height=0.25)
+        assert f";Layer height: {said}\n" in text
+
+
 def test_progress_rises_to_the_end() -> None:
     text, totals = written(stack(30, 30))
     progress = [(int(p), int(r)) for p, r in re.findall(r"^M73 P(\d+) R(\d+)$", text, re.M)]

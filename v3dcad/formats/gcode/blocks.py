@@ -40,7 +40,7 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
         f";FLAVOR:{FLAVOURS[settings.flavour]}",
         f";TIME:{totals.time_s:.0f}",
         f";Filament used: {totals.filament_mm / 1000:.5f}m",
-        f";Layer height: {settings.first_layer_height:g}",
+        f";Layer height: {_layer_height(settings, totals):.4g}",
     ]
     if totals.layers:
         for name, corner in zip(("MIN", "MAX"), totals.bounds.tolist(), strict=True):
@@ -175,6 +175,13 @@ def acceleration_line(settings: PrintSettings, value: float) -> bytes:
         if klipper
         else f"M204 P{value:g}\n".encode()
     )
+
+
+def _layer_height(settings: PrintSettings, totals: Totals) -> float:
+    """From the nozzle's heights on the first and the last layer, mm; of one layer, its own."""
+    if totals.layers < 2:
+        return settings.first_layer_height
+    return float(np.ptp(totals.bounds[:, 2])) / (totals.layers - 1)
 
 
 def temperature_lines(settings: PrintSettings) -> list[str]:
