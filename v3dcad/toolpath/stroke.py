@@ -52,19 +52,19 @@ def capped(strokes: Sequence[Stroke], spacing: float) -> tuple[list[Stroke], Seg
         else np.arange(len(one.laid)) <= one.other
         for one in strokes
     ]  # fmt: skip
-    none = [np.empty((0, 2))]
-    lines = Segments.of(
-        np.concatenate(
-            none + [one.points[:-1][on] for one, on in zip(strokes, first, strict=True)]
-        ),
-        np.concatenate(none + [one.points[1:][on] for one, on in zip(strokes, first, strict=True)]),
-        spacing,
-    )
+    start, stop = (
+        np.concatenate([
+            np.empty((0, 2)),
+            *(one.points[ends][on] for one, on in zip(strokes, first, strict=True)),
+        ])
+        for ends in (slice(None, -1), slice(1, None))
+    )  # fmt: skip
+    lines = Segments.of(start, stop, spacing)
     counts = [int(on.sum()) for on in first]
     share = covered(lines, np.repeat(np.arange(len(strokes)), counts), spacing)
     fed = []
-    parts = np.split(share, np.cumsum(counts)[:-1])
-    for one, on, part in zip(strokes, first, parts, strict=False):
+    parts = np.split(share, np.cumsum(counts))[:-1]
+    for one, on, part in zip(strokes, first, parts, strict=True):
         amount = one.laid.copy()
         amount[on] *= np.where(one.feature[on] == BRIDGE, 1.0, part)
         if one.other is not None:
