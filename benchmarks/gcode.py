@@ -80,7 +80,7 @@ def peak_mb() -> float:
 
 def table() -> None:
     from benchmarks.engine import filled
-    from v3dcad.toolpath.beads import trace
+    from v3dcad.toolpath.trace import trace
 
     columns = "structure walls trace_s write_s loop_s loop/write MB moves retraced strokes hours"
     print(" ".join(f"{name:>13}" for name in columns.split()))

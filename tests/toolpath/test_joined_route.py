@@ -28,10 +28,10 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.perimeters import rings
 from v3dcad.toolpath.report import LayerReport
+from v3dcad.toolpath.trace import trace
 
 pytestmark = pytest.mark.slow
 
