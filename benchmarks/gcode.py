@@ -82,7 +82,9 @@ def table() -> None:
     from benchmarks.engine import filled
     from v3dcad.toolpath.trace import trace
 
-    columns = "structure walls trace_s clock_s write_s loop_s loop/write MB moves retraced strokes hours"
+    columns = (
+        "structure walls trace_s clock_s write_s loop_s loop/write MB moves retraced strokes hours"
+    )
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for cells, count in ((300, 150), (4000, 20)):
         source = list(filled("square", cells, count).layers)

@@ -10,7 +10,8 @@ import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import links_rounded
-from v3dcad.geometry.loops.joining import Curves, joined
+from v3dcad.geometry.loops.curves import Curves
+from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.loops import Loops, following
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer

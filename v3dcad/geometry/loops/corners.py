@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from v3dcad.geometry.loops.joining import LINK, Curves
+from v3dcad.geometry.loops.curves import LINK, Curves
 from v3dcad.geometry.loops.loops import following
 
 BEND = math.radians(20)
