@@ -326,11 +326,30 @@ def test_a_notebook_shows_it_in_a_frame(browser: Any, structure: v3dcad.Structur
     assert len(html) < 4_000_000
     context = browser.new_context(offline=True)
     tab = context.new_page()
-    tab.set_content(f"<!doctype html><title>notebook</title>{html}")
+    tab.set_content(f"<!doctype html><title>notebook</title>{html}<p style='height: 200vh'>")
     frame = tab.frame_locator("iframe")
     frame.locator("#app[data-ready]").wait_for(timeout=60_000)
     assert frame.locator("h1").text_content() == HOSTILE
     assert "toolpath" not in frame.locator("#target option").all_text_contents()
+    within = next(one for one in tab.frames if one.parent_frame)
+
+    def distance() -> float:
+        away = "() => v3dcad.stage.camera.position.distanceTo(v3dcad.stage.middle)"
+        return float(within.evaluate(away))
+
+    def scroll() -> float:
+        tab.mouse.wheel(0, 300)
+        tab.wait_for_timeout(300)
+        return float(tab.evaluate("() => scrollY"))
+
+    before = distance()
+    tab.mouse.move(600, 200)
+    assert scroll() == 300, "the wheel scrolls the notebook"
+    assert distance() == before
+    tab.evaluate("() => scrollTo(0, 0)")
+    frame.locator("#canvas").click(position={"x": 5, "y": 5})
+    assert scroll() == 0, "once clicked, it zooms"
+    assert distance() > 1.1 * before
     context.close()
 
 
