@@ -94,6 +94,17 @@ def test_slivers_of_rounding_are_no_skins() -> None:
     assert all(skin.is_empty for skin in skins_of(layers, 1, 1)[1:-1])
 
 
+def test_a_skin_is_an_area_where_the_part_also_touches_what_it_ends_beside() -> None:
+    """A ledge ends over one post and a second post begins: of what lay bare, the layer above shares
+    an area and touches another along a line.
+    """
+    post, ledge, second = (shapely.box(*x, 10) for x in ((0, 0, 10), (10, 0, 12), (20, 0, 22)))
+    cuts = [Cut(area, True) for area in (post, post | ledge | second, post | second)]
+    skin = list(shells(cuts, 2, 0))[2].skin
+    assert (skin.geom_type, skin.area) == ("MultiPolygon", 20)
+    assert parted(shapely.Polygon(), skin, W)[1].is_empty
+
+
 def test_foam_and_skin_share_the_area_and_the_skin_reaches_into_the_foam() -> None:
     inner = shapely.box(0, 0, 30, 20).difference(shapely.box(20, 5, 25, 8))
     wanted = shapely.box(12, -5, 40, 30)
