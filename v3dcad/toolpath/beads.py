@@ -30,6 +30,7 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_areas, bead_spacing
+from v3dcad.toolpath.bridged_walls import with_bridged_walls
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
@@ -85,6 +86,11 @@ def trace(
         before = nozzle.position
         planned = list(plan.strokes(before[:2])) if printed else []
         strokes, lines = capped(planned, nozzle.spacing)
+        bridged = 0.0
+        if printed and laid is not None:
+            strokes, bridged = with_bridged_walls(
+                strokes, laid, settings.bead_width, settings.minimum_edge
+            )
         for stroke in strokes:
             nozzle.print(stroke)
         toolpath = nozzle.taken(layer.index)
@@ -101,7 +107,7 @@ def trace(
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None:
             level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, len(strokes), plan, seconds, level, hang))
+            report(layer_report(toolpath, before, len(strokes), plan, seconds, level, hang, bridged))
         yield toolpath
     if traced and not made:
         raise GeometryError(
