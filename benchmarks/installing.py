@@ -1,9 +1,9 @@
 """What each extra installs: `python -m benchmarks.installing [EXTRAS …]`.
 
-Makes fresh environments with pip and with uv (where `uv` is on the path), installs this checkout
-with each set of extras, and prints a table: seconds by the clock and of the processor, MB on disk
-without pip and setuptools, and what can be imported. Nothing is taken from a cache. Extras that are
-joined by a comma, as `build123d,cadquery`, are one set.
+Makes fresh environments with pip, with `pip --no-compile`, and with uv where it is on the path,
+installs this checkout with each set of extras, and prints a table: seconds by the clock and of the
+processor, MB on disk without pip and setuptools, and what can be imported. Nothing is taken from a
+cache. Extras that are joined by a comma, as `build123d,cadquery`, are one set.
 """
 
 from __future__ import annotations
@@ -21,16 +21,18 @@ SETS = ("", "occt", "build123d", "cadquery", "build123d,cadquery", "test")
 IMPORTED = ("v3dcad", "OCP.gp", "build123d", "cadquery")
 INSTALLER = {"pip", "setuptools", "pkg_resources", "_distutils_hack"}
 """What is in a new environment before anything is installed."""
+MANAGERS = {
+    "pip": "{python} -m pip install --quiet --no-cache-dir",
+    "pip --no-compile": "{python} -m pip install --quiet --no-cache-dir --no-compile",
+    "uv": "uv pip install --quiet --no-cache --python {python}",
+}
 
 
 def install(manager: str, python: Path, target: str) -> tuple[float, float]:
     """Install into the environment of a Python; seconds by the clock, and of the processor."""
-    commands = {
-        "pip": [str(python), "-m", "pip", "install", "--quiet", "--no-cache-dir", target],
-        "uv": ["uv", "pip", "install", "--quiet", "--no-cache", "--python", str(python), target],
-    }
+    command = [word.format(python=python) for word in MANAGERS[manager].split()]
     begun, before = time.perf_counter(), os.times()
-    subprocess.run(commands[manager], cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+    subprocess.run([*command, target], cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
     after = os.times()
     used = sum(after[2:4]) - sum(before[2:4])  # of children, in the system's name too
     return time.perf_counter() - begun, used
@@ -58,7 +60,9 @@ def main() -> None:
     )
     print("|---|---|---|---|---|", "---|" * len(IMPORTED), sep="")
     for extras in sys.argv[1:] or SETS:
-        for manager in filter(shutil.which, ("pip", "uv")):
+        for manager in MANAGERS:
+            if manager == "uv" and not shutil.which("uv"):
+                continue
             with TemporaryDirectory() as folder:
                 subprocess.run([sys.executable, "-m", "venv", folder], check=True)
                 python = Path(folder, "Scripts" if os.name == "nt" else "bin", "python")

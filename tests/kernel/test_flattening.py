@@ -33,7 +33,7 @@ from OCP.GeomAPI import GeomAPI_Interpolate
 from OCP.GeomConvert import GeomConvert
 from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Circ, gp_Dir, gp_Elips, gp_Pnt, gp_Vec
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt, TColgp_HArray1OfPnt
-from OCP.TColStd import TColStd_Array1OfReal
+from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
 
 from v3dcad.geometry.compiled.intrinsics import STACK_ROOM
 from v3dcad.geometry.surface.curves import curve_at
@@ -74,7 +74,24 @@ def bezier_surface(rows=3, columns=4):
 
 
 def periodic_surface():
+    """Closed both ways, with weights: a torus."""
     return GeomConvert.SurfaceToBSplineSurface_s(Geom_ToroidalSurface(SPACE, 5, 2))
+
+
+def periodic_surface_without_weights():
+    """A tube, closed one way."""
+    poles = TColgp_Array2OfPnt(1, 2, 1, 8)
+    for i in range(2):
+        for j, angle in enumerate(np.arange(8) * np.pi / 4):
+            poles.SetValue(i + 1, j + 1, gp_Pnt(np.cos(angle), np.sin(angle), i))
+    along, around = TColStd_Array1OfReal(1, 2), TColStd_Array1OfReal(1, 9)
+    ends, knots = TColStd_Array1OfInteger(1, 2), TColStd_Array1OfInteger(1, 9)
+    ends.Init(2)
+    knots.Init(1)
+    for array in (along, around):
+        for i in range(array.Length()):
+            array.SetValue(i + 1, i)
+    return Geom_BSplineSurface(poles, along, around, ends, knots, 1, 3, False, True)
 
 
 CURVES = {
@@ -98,6 +115,7 @@ SURFACES = {
     "torus": Geom_ToroidalSurface(SPACE, 5, 2),
     "bezier": bezier_surface(),
     "periodic spline": periodic_surface(),
+    "periodic spline without weights": periodic_surface_without_weights(),
     "extrusion": Geom_SurfaceOfLinearExtrusion(spline(False), gp_Dir(0.2, 1, 3)),
     "revolution": Geom_SurfaceOfRevolution(
         spline(False), gp_Ax1(gp_Pnt(-3, 0, 1), gp_Dir(0, 0.3, 1))

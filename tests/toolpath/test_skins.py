@@ -13,10 +13,10 @@ from diagrams import layer, scattered
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import BRIDGE, CELLS, EXTRUDE, SOLID, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.bridging import Held, direction
 from v3dcad.toolpath.report import LayerReport
 from v3dcad.toolpath.skins import Cut, parted, shells
+from v3dcad.toolpath.trace import trace
 
 SIDE = 12.0
 W = 0.45
@@ -92,6 +92,17 @@ def test_layers_below_the_first_are_air() -> None:
 def test_slivers_of_rounding_are_no_skins() -> None:
     layers = [slab(k, box(-SIDE, SIDE) * (1 + 1e-12 * (-1) ** k)) for k in range(6)]
     assert all(skin.is_empty for skin in skins_of(layers, 1, 1)[1:-1])
+
+
+def test_a_skin_is_an_area_where_the_part_also_touches_what_it_ends_beside() -> None:
+    """A ledge ends over one post and a second post begins: of what lay bare, the layer above shares
+    an area and touches another along a line.
+    """
+    post, ledge, second = (shapely.box(*x, 10) for x in ((0, 0, 10), (10, 0, 12), (20, 0, 22)))
+    cuts = [Cut(area, True) for area in (post, post | ledge | second, post | second)]
+    skin = list(shells(cuts, 2, 0))[2].skin
+    assert (skin.geom_type, skin.area) == ("MultiPolygon", 20)
+    assert parted(shapely.Polygon(), skin, W)[1].is_empty
 
 
 def test_foam_and_skin_share_the_area_and_the_skin_reaches_into_the_foam() -> None:

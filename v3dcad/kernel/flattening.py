@@ -138,11 +138,13 @@ class Flattener:
             if v_periodic:
                 spline.SetVNotPeriodic()
         u_knots, v_knots = _values(spline.UKnotSequence()), _values(spline.VKnotSequence())
+        # Where all weights are 1, OCCT has zeros for them once a surface is no longer periodic.
+        rational = spline.IsURational() or spline.IsVRational()
         poles = [
             number
             for i in range(1, spline.NbUPoles() + 1)
             for j in range(1, spline.NbVPoles() + 1)
-            for number in _homogeneous(spline.Pole(i, j), spline.Weight(i, j))
+            for number in _homogeneous(spline.Pole(i, j), spline.Weight(i, j) if rational else 1.0)
         ]
         return self._add(
             surfaces.SPLINE_SURFACE,
