@@ -20,9 +20,9 @@ import v3dcad
 from v3dcad.formats.gcode.writer import write_gcode
 from v3dcad.model import BRIDGE, CELLS, EXTRUDE, PERIMETER, SOLID, Layer, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.report import LayerReport, findings
+from v3dcad.toolpath.trace import trace
 
 LAYER_HEIGHT = 0.2
 WALLS: dict[int, dict[str, Any]] = {2: {}, 1: {"perimeters": 1}}

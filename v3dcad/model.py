@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
-from v3dcad.svg import CONTOUR, WALL, lines_svg, sections_svg
+from v3dcad.svg import CONTOUR, ON_SCREEN, WALL, lines_svg, sections_svg
 from v3dcad.words import counted
 
 Floats = NDArray[np.float64]
@@ -146,10 +146,12 @@ class Section(Value):
     """which stretch of a ring is which exact curve; empty for triangles"""
 
     def svg(self) -> str:
-        """The section as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        """The section as the text of an SVG file, 1 unit a millimetre."""
         return "".join(sections_svg([self]))
 
-    _repr_svg_ = svg
+    def _repr_svg_(self) -> str:
+        """How a notebook shows it."""
+        return "".join(sections_svg([self], ON_SCREEN))
 
     def __repr__(self) -> str:
         points = counted(sum(map(len, self.rings)), "point")
@@ -374,12 +376,17 @@ class Layer(Value):
         return self.section.z
 
     def svg(self) -> str:
-        """Walls and contours as the text of an SVG file, 1 unit a millimetre; notebooks show it."""
+        """Walls and contours as the text of an SVG file, 1 unit a millimetre."""
+        return self._svg(None)
+
+    def _repr_svg_(self) -> str:
+        """How a notebook shows it."""
+        return self._svg(ON_SCREEN)
+
+    def _svg(self, pixels: float | None) -> str:
         ends, inner = self.diagram.vertices[self.diagram.edges], self.diagram.inner()
         lines = {"walls": (WALL, ends[inner]), "contours": (CONTOUR, ends[~inner])}
-        return lines_svg(f"layer {self.index}, z {self.z:g} mm", lines)
-
-    _repr_svg_ = svg
+        return lines_svg(f"layer {self.index}, z {self.z:g} mm", lines, pixels)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -20,7 +20,8 @@ Command = Callable[..., None]
 def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
     """Give a command one option for each setting of the classes, in their order.
 
-    The command receives them as keyword arguments; `given` picks those of one class.
+    The command receives them as keyword arguments; `given` picks those of one class. A setting that
+    is on or off has a second option, `--no-…`, unless the command uses that name itself.
     """
 
     def decorate(command: Command) -> Command:
@@ -30,8 +31,12 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
             for parameter in own.parameters.values()
             if parameter.kind is not inspect.Parameter.VAR_KEYWORD
         ]
+        taken = {option(parameter.name) for parameter in parameters}
         for cls in classes:
-            parameters += [_parameter(cls, name) for name in cls.__dataclass_fields__]
+            kinds = get_type_hints(cls)
+            parameters += [
+                _parameter(cls, name, kinds[name], taken) for name in cls.__dataclass_fields__
+            ]
 
         def run(**arguments: Any) -> None:
             command(**arguments)
@@ -45,12 +50,12 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
     return decorate
 
 
-def _parameter(cls: type[Checked], name: str) -> inspect.Parameter:
+def _parameter(cls: type[Checked], name: str, kind: Any, taken: set[str]) -> inspect.Parameter:
     known = declared(cls, name)
     default = cls.__dataclass_fields__[name].default
-    kind = get_type_hints(cls)[name]
     number = next((one for one in (float, int) if one in (get_args(kind) or (kind,))), None)
-    names = [option(name) + ("/--no-" + option(name)[2:] if kind is bool else "")]
+    off = "--no-" + option(name)[2:]
+    names = [f"{option(name)}/{off}" if kind is bool and off not in taken else option(name)]
     says = f"{known.help[:-1]} ({known.unit})." if known.unit else known.help
     if "\n" not in str(default):
         says += f" Default: {default}."

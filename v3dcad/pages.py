@@ -48,7 +48,7 @@ class Pages(Protocol):
         of later ones. Raises `SettingError` for a target, layer, cell or neighbour that is not
         there.
         """
-        from v3dcad.toolpath.beads import trace
+        from v3dcad.toolpath.trace import trace
         from v3dcad.view.page.content import MOST_SEGMENTS, page
 
         target, layer, cell, neighbour = first

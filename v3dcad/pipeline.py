@@ -137,9 +137,9 @@ class Structure(Forms, Views, Pages):
         Traces all layers. Raises `GeometryError` where beads span more than `fail_over`,
         `SettingError` where the structure cannot be printed so.
         """
-        from v3dcad.toolpath.beads import trace
         from v3dcad.toolpath.certificate import printed_overhang
         from v3dcad.toolpath.report import LayerReport
+        from v3dcad.toolpath.trace import trace
 
         settings = settings or PrintSettings()
         self._check_limits(settings)
@@ -227,8 +227,8 @@ class Structure(Forms, Views, Pages):
         other (see `limits.py`).
         """
         from v3dcad.formats.gcode.writer import check_fits, write_gcode
-        from v3dcad.toolpath.beads import trace
         from v3dcad.toolpath.report import LayerReport, findings
+        from v3dcad.toolpath.trace import trace
 
         settings = settings or PrintSettings()
         self._check_limits(settings)

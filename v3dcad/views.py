@@ -69,7 +69,7 @@ class Views(Protocol):
         neighbour: int | None,
         printing: PrintSettings | None,
     ) -> Preview:
-        from v3dcad.toolpath.beads import trace
+        from v3dcad.toolpath.trace import trace
 
         thesis = self.settings.method == "thesis"
         # Nothing is traced yet.

@@ -9,8 +9,8 @@ from diagrams import WIDE, stack
 from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import EXTRUDE, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.report import LayerReport, findings
+from v3dcad.toolpath.trace import trace
 
 FAST = {"print_speed": 90.0, "perimeter_speed": 40.0, "first_layer_speed": 60.0}
 

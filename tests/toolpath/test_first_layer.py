@@ -14,7 +14,6 @@ import v3dcad
 from v3dcad.errors import GeometryError
 from v3dcad.model import BRIM, EXTRUDE, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.first_layer import (
     RESOLUTION,
     brim_width,
@@ -23,6 +22,7 @@ from v3dcad.toolpath.first_layer import (
     stands_badly,
 )
 from v3dcad.toolpath.report import LayerReport, findings
+from v3dcad.toolpath.trace import trace
 
 
 def traced(layers: list[Layer], **options: Any) -> tuple[list[Toolpath], list[LayerReport]]:

@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from v3dcad.geometry.loops.corners import links_rounded
-from v3dcad.geometry.loops.joining import LINK, Curves, joined
+from v3dcad.geometry.loops.curves import LINK, Curves
+from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import LASTS, Linked
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import (
@@ -28,10 +29,10 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.perimeters import rings
 from v3dcad.toolpath.report import LayerReport
+from v3dcad.toolpath.trace import trace
 
 pytestmark = pytest.mark.slow
 

@@ -28,10 +28,10 @@ from v3dcad.model import (
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.certificate import PrintedOverhang, printed_overhang
 from v3dcad.toolpath.overhang import hanging
 from v3dcad.toolpath.report import LayerReport, findings
+from v3dcad.toolpath.trace import trace
 
 W, H = 0.4, 0.2
 BEGINS, ENDS = slice(None, -1), slice(1, None)

@@ -13,10 +13,10 @@ from diagrams import layer, scattered
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import BRIDGE, CELLS, EXTRUDE, SOLID, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.bridging import Held, direction
 from v3dcad.toolpath.report import LayerReport
 from v3dcad.toolpath.skins import Cut, parted, shells
+from v3dcad.toolpath.trace import trace
 
 SIDE = 12.0
 W = 0.45

@@ -23,7 +23,7 @@ from v3dcad import PrintSettings
 from v3dcad.errors import SettingError
 from v3dcad.formats.gcode.blocks import Totals
 from v3dcad.geometry.section_area import section_area
-from v3dcad.model import Diagram, Floats, Layer
+from v3dcad.model import Diagram, Floats, Layer, Section
 from v3dcad.report import Print
 from v3dcad.view import picture as painting
 from v3dcad.view.outline import outline
@@ -306,6 +306,25 @@ def test_notebooks_show_structures_layers_and_sections() -> None:
     assert f"layer {LAYER}" in layer._repr_svg_()
     section = ET.fromstring(layer.section._repr_svg_())
     assert sum(one.tag[-4:] == "path" for one in section.iter()) == 1
+
+
+@pytest.mark.parametrize("side", [0.5, 40.0, 1000.0])
+def test_notebooks_show_every_size_as_large_and_with_the_same_lines(side: float) -> None:
+    ring = np.array([[0.0, 0.0], [side, 0.0], [side, side / 2], [0.0, side / 2]])
+    section = Section(0.0, (ring,))
+
+    def drawn(text: str) -> tuple[float, float]:
+        """The longer side in mm on the screen, and how wide lines are there."""
+        svg = ET.fromstring(text)
+        unit = float(svg.attrib["width"].removesuffix("mm")) / float(
+            svg.attrib["viewBox"].split()[2]
+        )
+        return float(svg.attrib["width"].removesuffix("mm")), unit * float(
+            svg[0].attrib["stroke-width"]
+        )
+
+    assert drawn(section.svg()) == pytest.approx((side + 2, 0.1), rel=1e-3)
+    assert drawn(section._repr_svg_()) == pytest.approx((127.0, 0.3175), rel=1e-3)
 
 
 def test_a_picture_is_written_by_its_ending(tmp_path: Path) -> None:

@@ -20,8 +20,8 @@ from v3dcad import FillSettings, PrintSettings, fill_sections
 from v3dcad.errors import SettingError
 from v3dcad.model import Floats, Layer, Placement
 from v3dcad.structure.placement import turned
-from v3dcad.toolpath.beads import trace
 from v3dcad.toolpath.report import LayerReport
+from v3dcad.toolpath.trace import trace
 from v3dcad.view.colours import COLOURS
 from v3dcad.view.targets.declared import TARGETS
 from v3dcad.view.targets.one_layer import _inside

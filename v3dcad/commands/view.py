@@ -56,9 +56,9 @@ def view(
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the page for the browser here.")
     ] = None,
-    browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")
-    ] = True,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="Do not open the page in the browser.")
+    ] = False,
     serve: Annotated[
         bool, typer.Option("--serve", help="Follow PART: load the page again when it is written.")
     ] = False,
@@ -106,7 +106,7 @@ def view(
             with Progress(f"drawing {part.name}") as progress:
                 return structure_of(progress).page(printing, first, live=number)
 
-        serve_file(part, make, browser)
+        serve_file(part, make, not no_open)
         return
     if not files:
         files["html"] = page_place(part)
@@ -128,4 +128,4 @@ def view(
         files.values(),
     )
     if "html" in files:
-        show_file(files["html"], browser)
+        show_file(files["html"], not no_open)

@@ -16,7 +16,9 @@ travel      ways inside the part
 cooling     short layers printed slower
 bead        the cross-section of a bead
 limits      settings that nozzle, hot end, machine and cells do not allow
-beads       `trace`: layers to toolpaths
+beads       strokes laid as beads, with travels between them
+trace       `trace`: layers to toolpaths
+overlapped  the next layer planned while the last one is laid
 plastic     how much plastic layers take, from some of them
 overhang    what of the beads has nothing under it, layer by layer
 certificate the same for a whole print, as arrays and in words

@@ -1,22 +1,16 @@
-"""From layers to toolpaths: strokes become beads with a volume, and travels join them."""
+"""Strokes become beads with a volume, and travels join them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import tee
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.errors import GeometryError
-from v3dcad.geometry.loops.links import Linked
-from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
     BRIDGE,
-    CELLS,
     EXTRUDE,
     FEATURES,
-    INNER_PERIMETER,
     NO_FEATURE,
     PERIMETER,
     RETRACT,
@@ -25,89 +19,15 @@ from v3dcad.model import (
     UNRETRACT,
     Bytes,
     Floats,
-    Layer,
     Toolpath,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.bead import bead_areas, bead_spacing
-from v3dcad.toolpath.bridging import Below
-from v3dcad.toolpath.cooling import cooled
-from v3dcad.toolpath.first_layer import cuts
-from v3dcad.toolpath.overhang import Hanging, hanging, refuse_spans
-from v3dcad.toolpath.plan import Plan
-from v3dcad.toolpath.report import LayerReport, layer_report
-from v3dcad.toolpath.seam import Seams
-from v3dcad.toolpath.skins import shells
-from v3dcad.toolpath.stroke import Stroke, capped, way_back
+from v3dcad.toolpath.bead import bead_areas
+from v3dcad.toolpath.stroke import Stroke, way_back
 from v3dcad.toolpath.travel import Traveller
-
-OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
-"""Features of which a part is made; a skirt and a brim are none."""
 
 APPROACH = 5.0
 """mm above the first layer at which the nozzle comes to the part."""
-
-
-def trace(
-    layers: Iterable[Layer],
-    settings: PrintSettings,
-    report: Callable[[LayerReport], None] | None = None,
-    *,
-    thesis: bool = False,
-) -> Iterator[Toolpath]:
-    """One toolpath a layer: every cell edge and perimeter extruded.
-
-    The first layer with something to print lies on the bed, as high as the first layer's beads;
-    the others as far above it as their sections are, each filling the height to the one below.
-    Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
-    the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
-    as long as it takes to know whether they are among the top ones. Raises `GeometryError` where
-    layers do not ascend, where beads span more than `fail_over`, and at the end where nothing of
-    the part was printed.
-    """
-    nozzle, linked, seams = Nozzle(settings), Linked(), Seams(settings.seam)
-    below: Below | None = None
-    laid: Segments | None = None
-    certified = report is not None or not isinstance(settings.fail_over, str)
-    traced = made = False
-    # A layer waits for its skin, which sections above have a say in.
-    waiting, ahead = tee(layers)
-    areas = cuts((layer.section for layer in ahead), settings)
-    found = shells(areas, *settings.solid_layers())
-    for layer, ((area, printed), skin) in zip(waiting, found, strict=True):
-        first = nozzle.level == 0
-        if printed:
-            nozzle.rise(layer, Traveller(area, settings.bead_width / 4))
-        seams.rise()
-        plan = Plan(
-            layer, area, skin, settings, first, nozzle.spacing, linked, seams, below, thesis
-        )
-        before = nozzle.position
-        planned = list(plan.strokes(before[:2])) if printed else []
-        strokes, lines = capped(planned, nozzle.spacing)
-        for stroke in strokes:
-            nozzle.print(stroke)
-        toolpath = nozzle.taken(layer.index)
-        hang: tuple[Hanging, ...] = ()
-        if certified and printed and laid is not None and below is not None:
-            hang = hanging(toolpath, before, laid, below.area, settings.bead_width, nozzle.height)
-            refuse_spans(hang, layer.index, nozzle.level, settings.fail_over)
-        if printed:
-            laid = lines
-            below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        rest = before if nozzle.started else toolpath.points[:1]
-        nozzle.started |= len(toolpath.points) > 0
-        toolpath, seconds = cooled(toolpath, rest, settings)
-        traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
-        if report is not None:
-            level = nozzle.level if printed else 0.0
-            report(layer_report(toolpath, before, len(strokes), plan, seconds, level, hang))
-        yield toolpath
-    if traced and not made:
-        raise GeometryError(
-            f"nothing of the part is printed: all of it is narrower than beads of "
-            f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
-        )
 
 
 class Steps(NamedTuple):
@@ -128,34 +48,19 @@ class Nozzle:
         self.settings = settings
         self.position = np.zeros(3)
         self.level = 0.0
-        self.height = 0.0
-        self._above = 0.0
         self._areas = np.zeros(FEATURES)
-        self.spacing = 0.0
         self._speed = np.zeros(0)
         self._traveller: Traveller
         self.started = False
         self._last = np.empty((0, 2))
         self._steps: list[Steps] = []
 
-    def rise(self, layer: Layer, traveller: Traveller) -> None:
-        """Go on to a layer: its level, its ways, the area of its beads and their speed."""
-        settings, below = self.settings, self.level
-        if below == 0:
-            self._above = settings.first_layer_height - layer.z
-        self.level = layer.z + self._above
-        if self.level <= below:
-            raise GeometryError(
-                f"its section at {layer.z:g} mm is not above the one below; "
-                "give layers in ascending order",
-                layer=layer.index,
-            )
-        self.height = self.level - below
-        self.spacing = bead_spacing(settings, self.height)
-        self._areas = bead_areas(settings, self.height, first=not below)
-        self._speed = np.minimum(
-            _speeds(settings, first=not below), settings.most_flow / self._areas
-        )
+    def rise(self, level: float, height: float, traveller: Traveller, *, first: bool) -> None:
+        """Go on to a layer of a height, mm: its level, its ways, its beads' area and speed."""
+        settings = self.settings
+        self.level = level
+        self._areas = bead_areas(settings, height, first=first)
+        self._speed = np.minimum(_speeds(settings, first=first), settings.most_flow / self._areas)
         self._traveller = traveller
 
     def print(self, stroke: Stroke) -> None:

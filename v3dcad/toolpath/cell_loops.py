@@ -39,11 +39,10 @@ def cell_loops(layer: Layer, within: shapely.Geometry, spacing: float) -> Loops:
 
     cells = PowerCells(places, weights, low, high)
     roomy = region.cut(*cells.drawn_in(LEAST_RADIUS * spacing), 0.0, 0.0)
-    kept = np.unique(roomy.owner)
-    if not len(kept):
-        kept = np.argmax(layer.diagram.areas(len(layer.state.sites))[sites]).reshape(1)
-    if len(kept) < len(sites):
-        cells = PowerCells(places[kept], weights[kept], low, high)
+    kept = np.zeros(len(sites), np.bool_)
+    kept[roomy.owner] = True
+    if not kept.any():
+        kept[np.argmax(layer.diagram.areas(len(layer.state.sites))[sites])] = True
     least = LEAST_LENGTH * spacing
-    loops = region.cut(*cells.drawn_in(spacing / 2), least, LEAST_WIDTH * spacing * least)
-    return replace(loops, owner=sites[kept][loops.owner])
+    loops = region.cut(*cells.drawn_in(spacing / 2, kept), least, LEAST_WIDTH * spacing * least)
+    return replace(loops, owner=sites[loops.owner])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,8 @@ import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import links_rounded
-from v3dcad.geometry.loops.joining import Curves, joined
+from v3dcad.geometry.loops.curves import Curves
+from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.loops import Loops, following
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
@@ -34,39 +35,58 @@ class Closed(NamedTuple):
     centre: Floats
 
 
-def joined_strokes(
+def joined_curves(
     layer: Layer,
     area: shapely.Geometry,
     foam: shapely.Geometry,
-    depths: list[float],
+    depths: Sequence[float],
     spacing: float,
-    shortest: float,
-    outer: PathGraph,
     linked: Linked,
-    seams: Seams,
-    here: Floats,
-) -> Iterator[Stroke]:
-    """Strokes of a layer, from near `here` (2,): each outer perimeter with what lies next to it.
+    shortest: float,
+) -> Curves:
+    """The perimeters at some depths (mm, outermost first) and the cells of the foam, joined.
 
-    `outer` is the perimeter at depths[0]; the further ones are joined with the loops of the
-    cells in the `foam`, beads `spacing` apart (mm). An outer perimeter starts at its seam; from
-    there the nozzle steps into the nearest curve.
+    Beads lie `spacing` apart, mm; no step is shorter than `shortest` where that can be.
     """
     lines: list[Floats] = []
     owners: list[int] = []
-    for number, depth in enumerate(depths[1:], 1):
+    for number, depth in enumerate(depths):
         # Neighbours face each other in opposite directions; cells' loops run counter-clockwise.
         against = (len(depths) - number) % 2 == 1
         for ring in rings(inset(area, depth)):
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
-    curves = joined(loops.thinned(shortest), spacing, linked, shortest)
-    left = _Left(links_rounded(curves, shortest))
-    yield from _in_order(_from_seams(outer, seams), left, spacing, here, shortest)
+    return links_rounded(joined(loops.thinned(shortest), spacing, linked, shortest), shortest)
 
 
-def _from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
+def in_order(
+    outer: list[Closed], curves: Curves, spacing: float, here: Floats, shortest: float
+) -> Iterator[Stroke]:
+    """Strokes from near `here` (2,): each outer perimeter with the curves that lie next to it.
+
+    A perimeter starts where it is given to; from there the nozzle steps into the nearest curve.
+    """
+    left = _Left(curves)
+    while outer or left:
+        stroke: list[Closed] = []
+        if outer:
+            away = [np.hypot(*(loop.points[0] - here)) for loop in outer]
+            stroke.append(_open(outer.pop(int(np.argmin(away)))))
+            here = stroke[-1].points[-1]
+        while left:
+            step, share, gap = left.nearest(here)
+            if outer and gap > NEAR * spacing:
+                break
+            if stroke and gap > STEP_IN * spacing:
+                yield _stroke(stroke)
+                stroke = []
+            stroke.append(left.entered(step, share, shortest))
+            here = stroke[-1].points[-1]
+        yield _stroke(stroke)
+
+
+def from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
     """The loops of a graph made of loops, each from its seam on."""
     begins = np.nonzero(outer.edges[:, 1] < outer.edges[:, 0])[0] + 1
     found = []
@@ -129,27 +149,6 @@ class _Left:
             points = np.vstack([place, points])
             feature = np.concatenate([feature[-1:], feature])
         return _open(Closed(points, feature, np.full(points.shape, np.nan)))
-
-
-def _in_order(
-    outer: list[Closed], left: _Left, spacing: float, here: Floats, shortest: float
-) -> Iterator[Stroke]:
-    while outer or left:
-        stroke: list[Closed] = []
-        if outer:
-            away = [np.hypot(*(loop.points[0] - here)) for loop in outer]
-            stroke.append(_open(outer.pop(int(np.argmin(away)))))
-            here = stroke[-1].points[-1]
-        while left:
-            step, share, gap = left.nearest(here)
-            if outer and gap > NEAR * spacing:
-                break
-            if stroke and gap > STEP_IN * spacing:
-                yield _stroke(stroke)
-                stroke = []
-            stroke.append(left.entered(step, share, shortest))
-            here = stroke[-1].points[-1]
-        yield _stroke(stroke)
 
 
 def _open(loop: Closed) -> Closed:

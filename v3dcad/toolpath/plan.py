@@ -29,7 +29,7 @@ from v3dcad.toolpath.graph import (
     loops_graph,
     with_short_edges_joined,
 )
-from v3dcad.toolpath.joined_route import joined_strokes
+from v3dcad.toolpath.joined_route import from_seams, in_order, joined_curves
 from v3dcad.toolpath.perimeters import inset, loops, outermost_depth, with_arcs
 from v3dcad.toolpath.route import closed_strokes, minimum_join
 from v3dcad.toolpath.seam import Seams
@@ -122,18 +122,13 @@ class Plan:
             yield self._moved_to(_line(line[::-1] if end else line, what))
 
     def _in_closed_strokes(self, depths: list[float]) -> Iterator[Stroke]:
-        for stroke in joined_strokes(
-            self.layer,
-            self.area,
-            self.foam,
-            depths,
-            self.spacing,
-            self.settings.minimum_edge,
-            self._perimeter(depths[0]),
-            self.linked,
-            self.seams,
-            self.here,
-        ):
+        """Outer perimeters unbroken; what lies further in is joined to one curve a region."""
+        shortest = self.settings.minimum_edge
+        curves = joined_curves(
+            self.layer, self.area, self.foam, depths[1:], self.spacing, self.linked, shortest
+        )
+        outer = from_seams(self._perimeter(depths[0]), self.seams)
+        for stroke in in_order(outer, curves, self.spacing, self.here, shortest):
             yield self._moved_to(stroke)
 
     def _around(self) -> Iterator[Stroke]:

@@ -78,7 +78,12 @@ def draw_scale(axes: Axes, scale: Scale) -> None:
 
 
 def draw_sizes(axes: Axes, found: SizeDistribution, z: float) -> None:
-    """Draw how sizes and areas of cells are distributed over the height, and mark a height."""
+    """Draw how sizes and areas of whole cells are distributed over the height; mark a height.
+
+    Cells that a contour cuts have no say: how large they are is chance.
+    """
+    from matplotlib.ticker import MaxNLocator
+
     sizes = found.sizes
     for k, shade in ((0, 0.18), (1, 0.35)):
         axes.fill_betweenx(
@@ -88,14 +93,16 @@ def draw_sizes(axes: Axes, found: SizeDistribution, z: float) -> None:
             color=BLUE,
             alpha=shade,
             linewidth=0,
-            label=f"{1 - 2 * QUANTILES[k]:.0%} of the cells",
+            label=f"{1 - 2 * QUANTILES[k]:.0%} of whole cells",
         )
     axes.plot(sizes[:, 2], found.z, color=BLUE, linewidth=1.5, label="median")
     axes.axhline(z, color="black", linewidth=0.8, linestyle="dotted", label="this layer")
-    axes.set(xlabel="cell size (mm)", ylabel="z (mm)")
+    axes.set(xlabel="size of whole cells (mm)", ylabel="z (mm)")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
-    axes.secondary_xaxis("top", functions=(_square, _root)).set_xlabel("cell area (mm²)")
+    areas = axes.secondary_xaxis("top", functions=(_square, _root))
+    areas.set_xlabel("area of whole cells (mm²)")
+    areas.xaxis.set_major_locator(MaxNLocator(4))
     _explain(axes)
 
 

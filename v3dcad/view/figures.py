@@ -56,10 +56,11 @@ def part_picture(
     with _figure(width, _height(seen, width) if name else width) as figure:
         axes = figure.add_subplot()
         scale = picture.draw(axes, layers, part, base, from_top=from_top, whole=whole, tilts=tilts)
-        if name:
-            figure.suptitle(_title(name, facts))
         if scale is not None:
             drawing.draw_scale(axes, scale)
+            facts = f"walls lean up to {scale.high:.1f}{scale.unit}; {facts}"
+        if name:
+            figure.suptitle(_title(name, facts))
         return _bytes(figure, kind)
 
 

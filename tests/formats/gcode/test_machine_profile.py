@@ -11,7 +11,7 @@ from v3dcad.errors import FormatError
 from v3dcad.formats.gcode.machine_profile import profile_names, profile_text, read_profile
 from v3dcad.formats.gcode.writer import write_gcode
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.trace import trace
 
 
 def test_profiles_that_come_along() -> None:

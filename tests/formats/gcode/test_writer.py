@@ -25,7 +25,7 @@ from v3dcad.formats.gcode.writer import Totals, check_fits, write_gcode
 from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import EXTRUDE, RETRACT, TRAVEL, Layer, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.trace import trace
 
 pytestmark = pytest.mark.slow
 

@@ -57,3 +57,24 @@ def test_cells_on_a_lattice_tile_the_box_and_hidden_sites_have_none() -> None:
     assert [cell.area for cell in cells] == pytest.approx([4.0] * len(cells), rel=1e-5)
     assert [cell.area for cell in cells_of(lattice, weights[:-1], 0.4)][55] == pytest.approx(1.44)
     assert cells_of(sites[:1], weights[:1], 0.7)[0].area == pytest.approx(400)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.floats(0, 1), st.floats(0, 1))
+def test_without_sites_that_are_absent_all_is_as_if_there_were_none(
+    seed: int, distance: float, share: float
+) -> None:
+    random = np.random.default_rng(seed)
+    sites, weights = random.uniform(-11, 11, (40, 2)), random.uniform(0, 4, 40)
+    cells = PowerCells(sites, weights, LOW, HIGH)
+    visible = np.diff(cells.drawn_in(0.0)[1]) > 0
+    present = visible & (random.uniform(0, 1, 40) >= share)
+    points, first = cells.drawn_in(distance, present)
+    for one in range(40):
+        found = shapely.Polygon(points[first[one] : first[one + 1]])
+        if not present[one]:
+            assert found.is_empty
+            continue
+        left = present | (np.arange(40) == one)
+        wanted = by_half_planes(sites[left], weights[left], distance, int(left[:one].sum()))
+        assert found.symmetric_difference(wanted).area < 1e-4

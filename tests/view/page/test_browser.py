@@ -10,10 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 import v3dcad
 from tests.view.page.conftest import HOSTILE
 from tests.view.page.shown import Shown, changed
+from v3dcad.model import Mesh
+from v3dcad.parts import MeshPart
 from v3dcad.view.targets.declared import TARGETS
 
 pytestmark = pytest.mark.slow
@@ -323,11 +326,30 @@ def test_a_notebook_shows_it_in_a_frame(browser: Any, structure: v3dcad.Structur
     assert len(html) < 4_000_000
     context = browser.new_context(offline=True)
     tab = context.new_page()
-    tab.set_content(f"<!doctype html><title>notebook</title>{html}")
+    tab.set_content(f"<!doctype html><title>notebook</title>{html}<p style='height: 200vh'>")
     frame = tab.frame_locator("iframe")
     frame.locator("#app[data-ready]").wait_for(timeout=60_000)
     assert frame.locator("h1").text_content() == HOSTILE
     assert "toolpath" not in frame.locator("#target option").all_text_contents()
+    within = next(one for one in tab.frames if one.parent_frame)
+
+    def distance() -> float:
+        away = "() => v3dcad.stage.camera.position.distanceTo(v3dcad.stage.middle)"
+        return float(within.evaluate(away))
+
+    def scroll() -> float:
+        tab.mouse.wheel(0, 300)
+        tab.wait_for_timeout(300)
+        return float(tab.evaluate("() => scrollY"))
+
+    before = distance()
+    tab.mouse.move(600, 200)
+    assert scroll() == 300, "the wheel scrolls the notebook"
+    assert distance() == before
+    tab.evaluate("() => scrollTo(0, 0)")
+    frame.locator("#canvas").click(position={"x": 5, "y": 5})
+    assert scroll() == 0, "once clicked, it zooms"
+    assert distance() > 1.1 * before
     context.close()
 
 
@@ -360,3 +382,69 @@ def test_walls_of_a_layer_reach_from_its_lower_to_its_upper_end(page: Shown) -> 
     )
     assert rows.min() == pytest.approx(top, abs=3)
     assert rows.max() == pytest.approx(bottom, abs=3)
+
+
+def test_walls_go_on_to_where_they_are_between_the_layers(
+    page: Shown, structure: v3dcad.Structure
+) -> None:
+    """The ends of strips half a millimetre above a section, against the section there.
+
+    Only what meets something else on the way lies elsewhere: a few.
+    """
+    rise, layer = 0.5, structure.layers[10]
+    pairs, ends, packed = page.run(
+        """layer => {
+            const { arrays, walls, slopes } = v3dcad.structure;
+            const [first, end] = v3dcad.structure.rows("walls", layer);
+            const rows = (array, width) => [...array.subarray(width * first, width * end)];
+            return [rows(arrays.wall_sites, 2), rows(walls, 6), rows(slopes, 1)];
+        }""",
+        layer.index,
+    )
+    ends = np.reshape(ends, (-1, 2, 3))[:, :, :2]
+    degrees = np.array(packed, np.int64)[:, None] // [1, 256, 65536] % 256 - 90
+    lean, *along = np.tan(np.radians(degrees)).T
+    way = ends[:, 1] - ends[:, 0]
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    left = way[:, ::-1] * [-1, 1]
+    speeds = (
+        lean[:, None, None] * left[:, None] + np.stack(along, axis=1)[:, :, None] * way[:, None]
+    )
+    above = structure.at(layer.z + rise)
+    there = dict(
+        zip(map(tuple, above.edge_sites.tolist()), above.vertices[above.edges], strict=True)
+    )
+    errors = [
+        np.linalg.norm(end + rise * speed - there[pair], axis=1)
+        for pair, end, speed in zip(
+            map(tuple, np.reshape(pairs, (-1, 2)).tolist()), ends, speeds, strict=True
+        )
+        if pair in there
+    ]
+    assert len(errors) > 50
+    assert np.quantile(errors, 0.95) < 0.02
+
+
+def test_strips_end_at_the_sides_of_the_part(browser: Any, tmp_path: Path) -> None:
+    """Sides of 45° and layers of 2 mm: hardly a pixel is drawn beside the part's silhouette."""
+    low, high = (np.array([[-r, -r], [r, -r], [r, r], [-r, r]]) for r in (30.0, 10.0))
+    corners = np.concatenate(
+        [np.column_stack([low, [0.0] * 4]), np.column_stack([high, [20.0] * 4])]
+    )
+    sides = [[[k, (k + 1) % 4, 4 + k], [4 + k, (k + 1) % 4, 4 + (k + 1) % 4]] for k in range(4)]
+    triangles = np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], *np.concatenate(sides)])
+    part = MeshPart("frustum", Mesh(corners, triangles))
+    file = tmp_path / "frustum.html"
+    file.write_text(v3dcad.fill(part, layer_height=2.0, cell_size=8.0).page(), encoding="utf-8")
+    shown = Shown(browser, file)
+    shown.set(part=False)
+    shown.run("() => v3dcad.stage.look([0, -1, 0])")
+    shown.settle()
+    picture = shown.picture()[:-2]
+    y, x = np.nonzero(np.abs(picture - picture[5, 5]).max(axis=2) > 24)
+    box = shown.tab.locator("#canvas").bounding_box()
+    outline = shapely.MultiPoint([shown.on_screen(tuple(one)) for one in corners]).convex_hull
+    pixels = shapely.points(x + box["x"] + 0.5, y + box["y"] + 0.5)
+    beside = shapely.distance(outline, pixels)
+    assert (beside > 1.5).sum() < 40, "it was 93 while strips ended upright"
+    shown.close()

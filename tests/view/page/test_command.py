@@ -44,7 +44,7 @@ def test_without_a_browser_nothing_is_opened(monkeypatch: pytest.MonkeyPatch) ->
     assert opened == ["file:///a.html"]
 
 
-@pytest.mark.parametrize(("words", "count"), [((), 1), (("--no-browser",), 0)])
+@pytest.mark.parametrize(("words", "count"), [((), 1), (("--no-open",), 0)])
 def test_the_page_is_opened_unless_it_shall_not_be(
     words: tuple[str, ...],
     count: int,
@@ -67,11 +67,11 @@ def test_the_page_is_opened_unless_it_shall_not_be(
 def test_the_page_begins_with_what_is_asked_for(
     samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page, how = tmp_path / "a.html", (samples / "pyramid.stl", *COARSE, "--no-browser")
+    page, how = tmp_path / "a.html", (samples / "pyramid.stl", *COARSE, "--no-open")
     sites = tmp_path / "sites.csv"
     sites.write_text("x,y\n-10,0\n10,-8\n10,8\n", encoding="utf-8")
     where = ("--target", "neighbour", "--layer", 1, "--cell", 0, "--neighbour", 2)
-    plain = (how[0], "--layer-height", 10, "--no-browser", "--sites-file", sites)
+    plain = (how[0], "--layer-height", 10, "--no-open", "--sites-file", sites)
     assert view(monkeypatch, *plain, "--html", page, *where) == 0
     first = {"target": "neighbour", "layer": 1, "cell": 0, "neighbour": 2}
     assert told(page)["first"] == first
@@ -99,6 +99,6 @@ def test_a_page_that_cannot_be_is_told_in_one_line(
     monkeypatch.chdir(tmp_path)
     if "--cell-size" in words:
         monkeypatch.setattr(estimate, "_memory", lambda: 1_000_000)
-    assert view(monkeypatch, samples / "pyramid.stl", *COARSE, "--no-browser", *words) == 2
+    assert view(monkeypatch, samples / "pyramid.stl", *COARSE, "--no-open", *words) == 2
     assert said in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

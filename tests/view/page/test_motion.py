@@ -10,7 +10,7 @@ from v3dcad.geometry.arcs import lengths
 from v3dcad.geometry.print_time import step_seconds
 from v3dcad.model import EXTRUDE, PERIMETER, TRAVEL, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.beads import trace
+from v3dcad.toolpath.trace import trace
 from v3dcad.view.page.motion import (
     BEAD,
     PERIMETER_BEAD,

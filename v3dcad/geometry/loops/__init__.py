@@ -8,5 +8,7 @@ facing       where two loops face each other
 reach        which stretches of segments lie far from all others
 coverage     what room each bead has to itself
 links        which walls have links, and where, from layer to layer
-joining      loops cut where they face each other, and joined along a spanning forest
+joining      which loops are linked, and where: a spanning forest of those that face each other
+curves       loops cut at links and joined crosswise
+corners      corners at links cut off
 """

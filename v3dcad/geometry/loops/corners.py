@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from v3dcad.geometry.loops.joining import LINK, Curves
+from v3dcad.geometry.loops.curves import LINK, Curves
 from v3dcad.geometry.loops.loops import following
 
 BEND = math.radians(20)
@@ -32,11 +32,12 @@ def links_rounded(curves: Curves, shortest: float) -> Curves:
         points[corner] - points[before[corner]],
         points[after[corner]] - points[corner],
     )
-    gone, left = (np.maximum(np.hypot(*steps.T), 1e-12) for steps in (arriving, leaving))
+    gone, left = (np.maximum(np.sqrt((way**2).sum(axis=1)), 1e-12) for way in (arriving, leaving))
     arriving, leaving = arriving / gone[:, None], leaving / left[:, None]
-    turn = np.arccos(np.clip((arriving * leaving).sum(axis=1), -1, 1))
+    cosine = np.clip((arriving * leaving).sum(axis=1), -1, 1)
     away = MOST_SHARE * np.minimum(gone, left)
-    cut = (turn > BEND) & (2 * away * np.cos(turn / 2) >= shortest)
+    # The piece put in is 2 · away · cos(turn ÷ 2) long.
+    cut = (cosine < math.cos(BEND)) & (away * np.sqrt(2 + 2 * cosine) >= shortest)
 
     copies = np.ones(len(points), np.int64)
     copies[corner[cut]] = 2

@@ -47,7 +47,7 @@ def facing(loops: Loops, spacing: float) -> Facing:
     room, none = 4 * len(loops.points), np.empty((0, 2))
     if not room:
         return Facing(np.empty((0, 2), np.int64), none, np.empty(0), none, none)
-    at, _ = loops.positions()
+    at = loops.measured().at
     loop = np.repeat(np.arange(len(loops.owner)), np.diff(loops.first))
     segments = Segments.of(loops.points, loops.points[loops.after()], (1 + SLACK) * spacing)
     near = np.empty(len(loop) + 1, np.int64)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import (
     ConstFloatRows,
     ConstIntArray,
+    FloatArray,
     FloatRows,
     IntArray,
 )
-from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.model import Floats, Ints, Value
 
 
@@ -21,6 +24,19 @@ def following(first: Ints) -> Ints:
     after = np.arange(1, first[-1] + 1)
     after[first[1:] - 1] = first[:-1]
     return after
+
+
+class Measured(NamedTuple):
+    """Closed lines, and how far along each its points lie."""
+
+    points: ConstFloatRows
+    """(p, 2) mm"""
+    first: ConstIntArray
+    """(l + 1,) the points of loop k are first[k] … first[k + 1]"""
+    at: FloatArray
+    """(p,) mm along its loop of each point"""
+    length: FloatArray
+    """(l,) mm"""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,16 +67,16 @@ class Loops(Value):
         """(p,) the number of the point after each, around its loop."""
         return following(self.first)
 
-    def positions(self) -> tuple[Floats, Floats]:
-        """(p,) mm along its loop of each point, and (l,) mm of each loop's length."""
+    def measured(self) -> Measured:
+        """The loops with how far along each its points lie."""
         if not len(self.points):
-            return np.zeros(0), np.zeros(len(self.owner))
+            return Measured(self.points, self.first, np.zeros(0), np.zeros(len(self.owner)))
         x, y = (self.points[self.after()] - self.points).T
         steps = np.sqrt(x * x + y * y)
         passed = np.cumsum(steps) - steps
         start = self.first[:-1]
         at = passed - np.repeat(passed[start], np.diff(self.first))
-        return at, np.add.reduceat(steps, start)
+        return Measured(self.points, self.first, at, np.add.reduceat(steps, start))
 
     def and_these(self, others: Loops) -> Loops:
         """These loops and, after them, others."""
@@ -75,6 +91,28 @@ class Loops(Value):
         points, first = np.empty_like(self.points), np.empty_like(self.first)
         _thin(self.points, self.first, shortest, points, first)
         return Loops(points[: first[-1]], first, self.owner)
+
+
+@compiled(INTERNAL)
+def place_on(loops: Measured, loop: int, along: float) -> tuple[float, float]:
+    """The point `along` mm on a loop; `along` may go round it."""
+    length = loops.length[loop]
+    along -= math.floor(along / length) * length
+    first, last = loops.first[loop], loops.first[loop + 1]
+    while last - first > 1:
+        middle = (first + last) // 2
+        if loops.at[middle] <= along:
+            first = middle
+        else:
+            last = middle
+    ends = first + 1 == loops.first[loop + 1]
+    after = loops.first[loop] if ends else first + 1
+    span = (length if ends else loops.at[after]) - loops.at[first]
+    share = (along - loops.at[first]) / span if span > 0 else 0.0
+    points = loops.points
+    x = points[first, 0] + share * (points[after, 0] - points[first, 0])
+    y = points[first, 1] + share * (points[after, 1] - points[first, 1])
+    return x, y
 
 
 @compiled(UNCOUNTED)

@@ -131,9 +131,11 @@ def _leave(
 ) -> None:
     """What others leave of segments: how often, and from where to where as long as there is room.
 
-    Stretches within reach are kept in order (`spans`) as they come.
+    Stretches within reach are kept in order (`spans`) as they come. Where lines are laid much as
+    those below, what one lies on, or what follows that, is under the next one, too: these two are
+    asked first.
     """
-    size = visit = 0
+    size = visit = last = 0
     for one in range(len(ends)):
         x, y = ends[one, 0], ends[one, 1]
         dx, dy = ends[one, 2] - x, ends[one, 3] - y
@@ -142,9 +144,18 @@ def _leave(
         for piece in range(pieces):
             ax, ay = x + piece / pieces * dx, y + piece / pieces * dy
             bx, by = x + (piece + 1) / pieces * dx, y + (piece + 1) / pieces * dy
+            whole = False
+            for other in range(last, min(last + 2, len(others.ends))):
+                cx, cy = others.ends[other, 0], others.ends[other, 1]
+                ex, ey = others.ends[other, 2], others.ends[other, 3]
+                low, high = within(ax, ay, bx, by, cx, cy, ex, ey, reach)
+                if low <= 0 and high >= 1:
+                    whole, last = True, other
+                    break
+            if whole:
+                continue
             visit += 1
             count = 0
-            whole = False
             for k in range(beside(others, ax, ay, bx, by, reach, stamp, visit, near)):
                 cx, cy = others.ends[near[k], 0], others.ends[near[k], 1]
                 ex, ey = others.ends[near[k], 2], others.ends[near[k], 3]
@@ -152,7 +163,7 @@ def _leave(
                 if low > high:
                     continue
                 if low <= 0 and high >= 1:
-                    whole = True
+                    whole, last = True, near[k]
                     break
                 place = count
                 while place > 0 and spans[place - 1, 0] > low:

@@ -13,6 +13,8 @@ from v3dcad.model import Floats
 
 MOST = 2**20
 """Bins, at most."""
+CROWDED = 8.0
+"""Long segments side by side that a bin has, at most, on average."""
 LEVEL = 1e-3
 """mm: segments that rise less are level, as far as bins go."""
 
@@ -35,7 +37,8 @@ class Segments(NamedTuple):
     def of(cls, start: Floats, stop: Floats, reach: float) -> Segments:
         """Segments from `start` (n, 2) to `stop` (n, 2), mm, in all bins within `reach` of one.
 
-        Bins are about as large as a segment is long, on average, but not smaller than `reach`.
+        Bins are about as large as a segment is long, on average; smaller, where many long ones lie
+        side by side; but not smaller than `reach`.
         """
         ends = np.empty((len(start), 4))
         ends[:, :2], ends[:, 2:] = start, stop
@@ -134,7 +137,8 @@ def _set_up(ends: FloatRows, frame: FloatArray, shape: IntArray) -> None:
         length += math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
     left, low = left - reach, low - reach
     wide, tall = right + reach - left, high + reach - low
-    side = max(length / len(ends), reach, math.sqrt(wide * tall / MOST), max(wide, tall) / MOST)
+    side = min(length / len(ends), CROWDED * wide * tall / max(length, 1e-300))
+    side = max(side, reach, math.sqrt(wide * tall / MOST), max(wide, tall) / MOST)
     frame[0], frame[1], frame[2] = left, low, side
     shape[0], shape[1] = max(math.ceil(wide / side), 1), max(math.ceil(tall / side), 1)
 

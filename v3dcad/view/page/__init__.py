@@ -18,6 +18,7 @@ The browser's side, from `main.js` down:
     packed.js     arrays out of the text
     structure.js  the arrays as layers, walls, cells
     stage.js      canvas, camera and light; a frame is drawn when something changed
+    slopes.js     how edges go on above and below their section
     strokes.js    many segments in one draw call: as lines, or as strips one layer high
     part.js       the part as a translucent skin
     fills.js      cells of a layer as coloured areas

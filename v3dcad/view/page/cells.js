@@ -1,5 +1,7 @@
 // The cells of one layer: which one holds a point, its area, its neighbours, its outline.
 
+export const UPRIGHT = 90; // the number that stands for what does not lean: degrees are added to it
+
 // The site whose cell holds the point (x, y), or −1 where the layer has none there. The first edge
 // that a ray in the direction of x crosses knows the cells on its two sides.
 export function cellAt(structure, layer, x, y) {
@@ -16,7 +18,8 @@ export function cellAt(structure, layer, x, y) {
   return found;
 }
 
-// Every edge of a layer with its ends and the sites left and right of it; none is −1.
+// Every edge of a layer: its corners and where they are, the sites left and right of it (none is −1), and
+// how far a wall leans to the left, degrees.
 export function* edges(structure, layer) {
   const { arrays, places } = structure;
   const base = arrays.vertices_from[layer];
@@ -28,9 +31,11 @@ export function* edges(structure, layer) {
       const a = 2 * (base + pairs[2 * row]);
       const b = 2 * (base + pairs[2 * row + 1]);
       yield {
+        corners: [pairs[2 * row], pairs[2 * row + 1]],
         ends: [places[a], places[a + 1], places[b], places[b + 1]],
         left: sites === 2 ? owners[2 * row + 1] : owners[row],
         right: sites === 2 ? owners[2 * row] : -1,
+        lean: sites === 2 ? arrays.wall_leans[row] - UPRIGHT : null,
       };
     }
   }
@@ -61,13 +66,17 @@ export function neighbours(structure, layer, site) {
   return [...found].sort((a, b) => a - b);
 }
 
-// The edges around cells as x, y, z of both ends; `chosen` says by left and right site which.
+// The edges of a layer that `chosen` chooses by their left and right site.
+export function chosenEdges(structure, layer, chosen) {
+  return [...edges(structure, layer)].filter(({ left, right }) => chosen(left, right));
+}
+
+// The edges of layers that are chosen so, as x, y, z of both ends.
 export function outline(structure, layers, chosen) {
   const found = [];
   for (const layer of layers) {
     const z = structure.arrays.z[layer];
-    for (const { ends, left, right } of edges(structure, layer)) {
-      if (!chosen(left, right)) continue;
+    for (const { ends } of chosenEdges(structure, layer, chosen)) {
       found.push(ends[0], ends[1], z, ends[2], ends[3], z);
     }
   }

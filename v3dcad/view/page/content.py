@@ -62,7 +62,7 @@ def page(
     }
     told = {
         "facts": [*facts.items(), ("cells", f"{np.count_nonzero(volumes)}")],
-        "note": _thinned(step, len(every), max(edges, steps)),
+        "note": _thinned(step, len(every), max(edges, steps), most),
         "bounds": bounds.tolist(),
         "span": [base, base + layer_height * step],
         "last": len(every) - 1,
@@ -116,11 +116,11 @@ def _steepest(arrays: Arrays) -> int:
     return int(np.abs(arrays["wall_leans"].astype(int) - UPRIGHT).max(initial=0))
 
 
-def _thinned(step: int, layers: int, segments: int) -> str:
+def _thinned(step: int, layers: int, segments: int, most: int) -> str:
     if step == 1:
         return ""
     shown = len(range(0, layers, step))
     return (
         f"Thinned: {shown} of {layers} layers are shown, one in {step}. All of them have "
-        f"{segments:,} segments, more than a page can draw fluently. Volumes are those of all."
+        f"{segments:,} segments, and this page holds at most {most:,}. Volumes are those of all."
     )

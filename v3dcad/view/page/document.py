@@ -22,6 +22,8 @@ LIBRARY = {
 }
 """Modules of three.js, by the name they are imported under."""
 
+UNTRUSTED = "The structure is shown when this cell is run, or the notebook trusted."
+
 RELATIVE = re.compile(r"""(\bfrom\s*|\bimport\s*)(["'])\./""")
 
 
@@ -59,10 +61,13 @@ def document(title: str, told: dict[str, Any], data: Packed, *, live: int = 0) -
 
 
 def framed(page: str, height: int = 600) -> str:
-    """A page as the HTML of a frame, for notebooks; it can reach nothing of what is around it."""
+    """A page as the HTML of a frame, for notebooks; it can reach nothing of what is around it.
+
+    Where frames are taken out, as from a notebook that is not trusted, the words in it stay.
+    """
     return (
         f'<iframe sandbox="allow-scripts" title="v3dcad" width="100%" height="{height}" '
-        f'style="border: 0" srcdoc="{html.escape(page)}"></iframe>'
+        f'style="border: 0" srcdoc="{html.escape(page)}">{UNTRUSTED}</iframe>'
     )
 
 

@@ -1,8 +1,9 @@
 // What each target draws, and in which colours.
 
-import { neighbours, outline } from "./cells.js";
+import { chosenEdges, neighbours, outline, UPRIGHT } from "./cells.js";
 import { CellFills, sizes } from "./fills.js";
 import { Part } from "./part.js";
+import { slopes } from "./slopes.js";
 import { segments, Strokes } from "./strokes.js";
 import { after, Toolpath } from "./toolpath.js";
 import { tree } from "./tree.js";
@@ -10,7 +11,6 @@ import { tree } from "./tree.js";
 const ONE_LAYER = new Set(["layer", "cell", "neighbours", "neighbour", "tree", "sizes"]);
 const IN_SPACE = new Set(["full", "overhang"]);
 const NOTHING = new Float32Array();
-const UPRIGHT = 90; // the number that stands for a wall that does not lean
 const GHOST = 0.1; // how dense walls are around a cell that was chosen
 
 // The lowest and the highest layer that are shown.
@@ -52,13 +52,13 @@ export class Drawing {
     this.part = new Part(arrays.part_vertices, arrays.part_triangles);
     this.toolpath = arrays.path ? new Toolpath(arrays, rise, stage.radius / 15) : null;
 
-    const leans = Int8Array.from(arrays.wall_leans, (lean) => lean - UPRIGHT);
-    const shares = Uint8Array.from(leans, (lean) => (255 * Math.abs(lean)) / (told.steepest || 1));
-    const walls = segments(structure.ends("walls"), { shares, leans });
+    const lean = (degrees) => (255 * Math.abs(degrees - UPRIGHT)) / (told.steepest || 1);
+    const shares = Uint8Array.from(arrays.wall_leans, lean);
+    const walls = segments(structure.walls, { shares, slopes: structure.slopes });
     const empty = () => segments(NOTHING);
     this.strips = new Strokes(walls, { strip: span });
     this.walls = new Strokes(walls, { width: 1.3, nearer: 2e-5 });
-    this.contours = new Strokes(segments(structure.ends("contours")), { width: 1.3, nearer: 2e-5 });
+    this.contours = new Strokes(segments(structure.contours), { width: 1.3, nearer: 2e-5 });
     const struts = segments(structure.ends("struts"));
     this.struts = new Strokes(struts, { width: 2.2 });
     this.ridges = new Strokes(struts, { width: 1, opacity: 0.35, nearer: 1e-5 });
@@ -124,7 +124,8 @@ export class Drawing {
     if (cell !== this.#cell) {
       const all = cell < 0 ? [] : Array.from({ length: structure.layers }, (_, k) => k);
       const ends = outline(structure, all, around(cell));
-      this.solid.replace(segments(ends));
+      const own = (layer) => slopes(structure, layer, chosenEdges(structure, layer, around(cell)));
+      this.solid.replace(segments(ends, { slopes: all.flatMap(own) }));
       this.#heights = Array.from({ length: ends.length / 6 }, (_, k) => ends[6 * k + 2]);
       this.#cell = cell;
     }

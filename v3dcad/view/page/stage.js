@@ -36,6 +36,7 @@ export class Stage {
     this.controls.addEventListener("change", () => this.ask());
     this.controls.addEventListener("start", () => this.move());
     this.controls.addEventListener("end", () => this.rest());
+    this.#letScroll();
     new ResizeObserver(() => this.#resize(canvas)).observe(canvas.parentElement);
     this.#resize(canvas);
     this.look(FROM);
@@ -136,6 +137,15 @@ export class Stage {
     const caster = new THREE.Raycaster();
     caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
     return caster.ray;
+  }
+
+  // In a frame, as in a notebook, the wheel zooms once the frame was clicked into; till then it scrolls
+  // what is around.
+  #letScroll() {
+    if (window === window.top) return;
+    this.controls.enableZoom = document.hasFocus();
+    addEventListener("focus", () => (this.controls.enableZoom = true));
+    addEventListener("blur", () => (this.controls.enableZoom = false));
   }
 
   #resize(canvas) {

@@ -1,8 +1,9 @@
 // Many segments in one draw call: each is a rectangle, either a line some pixels wide, or a strip as
-// high as a layer, which leans as the wall does that it is a piece of. Segments lie in order of
+// high as a layer, which slopes as the wall does that it is a piece of. Segments lie in order of
 // height, so that those of some layers can be drawn.
 
 import * as THREE from "three";
+import { STANDING } from "./slopes.js";
 
 // What all strokes share; `stage.js` keeps it up to date.
 export const shared = {
@@ -26,10 +27,13 @@ const LINE = `
   light = 1.0;`;
 
 const STRIP = `
+  float rise = corner.y > 0.0 ? span.y : span.x;
   vec2 along = normalize(stop.xy - start.xy + vec2(1e-9, 0.0));
-  vec3 upward = vec3(vec2(-along.y, along.x) * tan(radians(lean)), 1.0);
-  place = corner.x < 0.5 ? start : stop;
-  place += upward * (corner.y > 0.0 ? span.y : span.x);
+  vec3 slope = tan(radians(floor(mod(slopes / vec3(1.0, 256.0, 65536.0), 256.0)) - 90.0));
+  vec3 upward = vec3(vec2(-along.y, along.x) * slope.x, 1.0);
+  vec2 reach = vec2(0.0, distance(start.xy, stop.xy)) + slope.yz * rise;
+  reach = reach.x < reach.y ? reach : vec2((reach.x + reach.y) / 2.0); // it has shrunk to nothing
+  place = start + vec3(along * (corner.x < 0.5 ? reach.x : reach.y), 0.0) + upward * rise;
   vec4 seen = modelViewMatrix * vec4(place, 1.0);
   vec3 normal = normalize(mat3(modelViewMatrix) * cross(vec3(along, 0.0), upward));
   light = 0.45 + 0.55 * abs(dot(normal, normalize(seen.xyz)));
@@ -52,7 +56,7 @@ const vertexShader = (body) => `
     vec4 first = texelFetch(ends, ivec2(at % wide, at / wide), 0);
     vec4 second = texelFetch(ends, ivec2(at % wide + 1, at / wide), 0);
     vec3 start = first.xyz, stop = second.xyz;
-    float lean = second.w;
+    float slopes = second.w;
     way = first.w;
     ${body}
     haze = smoothstep(depths.x, depths.y, gl_Position.w);
@@ -76,10 +80,10 @@ const fragmentShader = `
 const WIDEST = 1024; // segments in a row of a texture
 
 // `ends`: x, y, z of start and stop, one after the other; `shares`: 0 … 255, the way through the
-// three colours; `leans`: degrees from the vertical, to the left of the way from start to stop.
+// three colours; `slopes`: of strips, as slopes.js packs them.
 // They lie in a texture, two texels each: cards and software draw loose triangles that look their
 // corners up there faster than instances of a rectangle.
-export function segments(ends, { shares, leans } = {}) {
+export function segments(ends, { shares, slopes } = {}) {
   const count = ends.length / 6;
   const wide = Math.min(Math.max(count, 1), WIDEST);
   const data = new Float32Array(8 * wide * Math.max(Math.ceil(count / wide), 1));
@@ -87,7 +91,7 @@ export function segments(ends, { shares, leans } = {}) {
     data.set(ends.subarray(6 * k, 6 * k + 3), 8 * k);
     data.set(ends.subarray(6 * k + 3, 6 * k + 6), 8 * k + 4);
     data[8 * k + 3] = (shares?.[k] ?? 0) / 255;
-    data[8 * k + 7] = leans?.[k] ?? 0;
+    data[8 * k + 7] = slopes?.[k] ?? STANDING;
   }
   const high = data.length / 8 / wide;
   const texture = new THREE.DataTexture(data, 2 * wide, high, THREE.RGBAFormat, THREE.FloatType);

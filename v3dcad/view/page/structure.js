@@ -1,5 +1,7 @@
 // The layers as they were unpacked: see segments.py for what each array holds.
 
+import { wallSlopes } from "./slopes.js";
+
 const GREATEST = 65535; // what the far end of the part is, in fractions
 
 export class Structure {
@@ -12,6 +14,9 @@ export class Structure {
     this.rise = span[1] - span[0]; // from one layer to the next
     this.layers = arrays.z.length;
     this.places = scaled(arrays.vertices, bounds);
+    this.walls = this.ends("walls");
+    this.contours = this.ends("contours");
+    this.slopes = wallSlopes(this);
   }
 
   // The rows of a group of arrays that belong to a layer: [first, end).

@@ -1,0 +1,145 @@
+"""Loops cut at links and joined crosswise there: the closed curves that come of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
+    ConstFloatRows,
+    ConstIntArray,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.loops.loops import Loops, Measured, place_on
+from v3dcad.model import Floats, Ints, Value
+
+GRID = 1e-6
+"""mm: nothing is shorter."""
+LINK = 2**62
+"""The "owner" of a step that crosses from one loop to another."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Curves(Value):
+    """Closed curves."""
+
+    points: Floats
+    """(p, 2) mm; those of curve k are first[k] … first[k + 1]"""
+    first: Ints
+    """(c + 1,)"""
+    owner: Ints
+    """(p,) the owner of the loop that the step on from a point follows, or `LINK`"""
+
+
+def crossed(loops: Loops, measured: Measured, on: Ints, cuts: Floats, shortest: float) -> Curves:
+    """The curves that loops are joined to.
+
+    Cut k goes from cuts[k, 0] to cuts[k, 1], mm along loop on[k]; cuts 2 k and 2 k + 1 are the two
+    ends of a link. Corners nearer than `shortest` (mm) to a cut are left out.
+    """
+    order = np.lexsort((cuts[:, 0], on))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    room = len(loops.points) + 2 * len(cuts)
+    points, owner = np.empty((room, 2)), np.empty(room, np.int64)
+    first = np.zeros(len(loops.owner) + 1, np.int64)
+    count = _walk(
+        measured,
+        loops.owner,
+        on[order],
+        cuts[order],
+        place[order ^ 1],
+        np.searchsorted(on[order], np.arange(len(loops.owner) + 1)),
+        max(shortest, GRID),
+        np.zeros(len(cuts), np.bool_),
+        points,
+        owner,
+        first,
+    )
+    size = first[count]
+    return Curves(points[:size].copy(), first[: count + 1].copy(), owner[:size].copy())
+
+
+@compiled(INTERNAL)
+def _arc(
+    loops: Measured,
+    loop: int,
+    start: float,
+    stop: float,
+    whose: int,
+    shortest: float,
+    out: FloatRows,
+    owner: IntArray,
+    size: int,
+) -> int:
+    """Write a loop's points from `start` to `stop`, mm along it; no corner near either."""
+    low, high, length = loops.first[loop], loops.first[loop + 1], loops.length[loop]
+    start -= math.floor(start / length) * length
+    stop -= math.floor((stop - start) / length) * length
+    out[size, 0], out[size, 1] = place_on(loops, loop, start)
+    owner[size] = whose
+    size += 1
+    k = low
+    while k < high and loops.at[k] <= start:
+        k += 1
+    for _ in range(high - low):
+        round_again = k >= high
+        corner = k - (high - low) if round_again else k
+        along = loops.at[corner] + (length if round_again else 0.0)
+        if along >= stop - shortest:
+            break
+        if along > start + shortest:
+            out[size, 0], out[size, 1] = loops.points[corner, 0], loops.points[corner, 1]
+            owner[size] = whose
+            size += 1
+        k += 1
+    out[size, 0], out[size, 1] = place_on(loops, loop, stop)
+    owner[size] = LINK
+    return size + 1
+
+
+@compiled(UNCOUNTED)
+def _walk(
+    loops: Measured,
+    owners: ConstIntArray,
+    on: ConstIntArray,
+    cuts: ConstFloatRows,
+    partner: ConstIntArray,
+    cut_first: ConstIntArray,
+    shortest: float,
+    seen: BoolArray,
+    out: FloatRows,
+    owner: IntArray,
+    begins: IntArray,
+) -> int:
+    """From the end of a cut on to the next of its loop, and over to that one's partner."""
+    curves, size = 0, 0
+    for loop in range(len(owners)):
+        if cut_first[loop] == cut_first[loop + 1]:
+            for k in range(loops.first[loop], loops.first[loop + 1]):
+                out[size, 0], out[size, 1] = loops.points[k, 0], loops.points[k, 1]
+                owner[size] = owners[loop]
+                size += 1
+            curves += 1
+            begins[curves] = size
+            continue
+        cut = cut_first[loop]
+        if seen[cut]:
+            continue
+        while not seen[cut]:
+            seen[cut] = True
+            here = on[cut]
+            following = cut + 1 if cut + 1 < cut_first[here + 1] else cut_first[here]
+            size = _arc(
+                loops, here, cuts[cut, 1], cuts[following, 0], owners[here], shortest,
+                out, owner, size,
+            )  # fmt: skip
+            cut = partner[following]
+        curves += 1
+        begins[curves] = size
+    return curves

@@ -1,0 +1,158 @@
+"""From layers to toolpaths: each is planned, then laid with what there is room for, and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import tee
+from typing import NamedTuple
+
+import numpy as np
+
+from v3dcad.errors import GeometryError
+from v3dcad.geometry.loops.links import Linked
+from v3dcad.geometry.loops.segments import Segments
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
+from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.bead import bead_spacing
+from v3dcad.toolpath.beads import Nozzle
+from v3dcad.toolpath.bridged_walls import with_bridged_walls
+from v3dcad.toolpath.bridging import Below
+from v3dcad.toolpath.cooling import cooled
+from v3dcad.toolpath.first_layer import cuts
+from v3dcad.toolpath.overhang import Hanging, hanging, refuse_spans
+from v3dcad.toolpath.overlapped import overlapped
+from v3dcad.toolpath.plan import Plan
+from v3dcad.toolpath.report import LayerReport, layer_report
+from v3dcad.toolpath.seam import Seams
+from v3dcad.toolpath.skins import shells
+from v3dcad.toolpath.stroke import Stroke, capped
+from v3dcad.toolpath.travel import Traveller
+
+OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
+"""Features of which a part is made; a skirt and a brim are none."""
+
+
+def trace(
+    layers: Iterable[Layer],
+    settings: PrintSettings,
+    report: Callable[[LayerReport], None] | None = None,
+    *,
+    thesis: bool = False,
+) -> Iterator[Toolpath]:
+    """One toolpath a layer: every cell edge and perimeter extruded.
+
+    The first layer with something to print lies on the bed, as high as the first layer's beads;
+    the others as far above it as their sections are, each filling the height to the one below.
+    Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
+    the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
+    as long as it takes to know whether they are among the top ones. A layer is planned while the
+    last one is laid. Raises `GeometryError` where layers do not ascend, where beads span more than
+    `fail_over`, and at the end where nothing of the part was printed.
+    """
+    laying = _Laying(settings, told=report is not None)
+    traced = made = False
+    for toolpath, found in overlapped(laying.lay, _planned(layers, settings, thesis)):
+        traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
+        if report is not None and found is not None:
+            report(found)
+        yield toolpath
+    if traced and not made:
+        raise GeometryError(
+            f"nothing of the part is printed: all of it is narrower than beads of "
+            f"{settings.bead_width:g} mm; give a smaller bead width, or --scale to make it larger"
+        )
+
+
+class _Planned(NamedTuple):
+    """A layer's strokes, and where they lie."""
+
+    plan: Plan
+    strokes: list[Stroke]
+    level: float
+    """mm above the bed, where beads end; 0 where nothing is printed yet"""
+    height: float
+    """mm from the layer below, or the bed"""
+
+
+def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> Iterator[_Planned]:
+    """What is printed on each layer, from where the last one ends."""
+    linked, seams, here = Linked(), Seams(settings.seam), np.zeros(2)
+    below: Below | None = None
+    level = above = spacing = height = 0.0
+    # A layer waits for its skin, which sections above have a say in.
+    waiting, ahead = tee(layers)
+    areas = cuts((layer.section for layer in ahead), settings)
+    found = shells(areas, *settings.solid_layers())
+    for layer, ((area, printed), skin) in zip(waiting, found, strict=True):
+        first = level == 0
+        if printed:
+            above = settings.first_layer_height - layer.z if first else above
+            height, level = layer.z + above - level, layer.z + above
+            if height <= 0:
+                raise GeometryError(
+                    f"its section at {layer.z:g} mm is not above the one below; "
+                    "give layers in ascending order",
+                    layer=layer.index,
+                )
+            spacing = bead_spacing(settings, height)
+        seams.rise()
+        plan = Plan(layer, area, skin, settings, first, spacing, linked, seams, below, thesis)
+        strokes = list(plan.strokes(here)) if printed else []
+        if strokes:
+            here = strokes[-1].points[-1]
+        if printed:
+            below = Below(area, plan.foam, layer.diagram, settings.wall_width())
+        yield _Planned(plan, strokes, level, height)
+
+
+class _Laying:
+    """What lays strokes, layer by layer, and knows what lies below."""
+
+    def __init__(self, settings: PrintSettings, *, told: bool) -> None:
+        self._settings = settings
+        self._told = told
+        self._nozzle = Nozzle(settings)
+        self._below: tuple[Plan, Segments] | None = None
+
+    def lay(self, planned: _Planned) -> tuple[Toolpath, LayerReport | None]:
+        """The toolpath of the next layer; and what it comes to, if that is to be told."""
+        plan, _, level, height = planned
+        settings, nozzle = self._settings, self._nozzle
+        if level:
+            nozzle.rise(
+                level, height, Traveller(plan.area, settings.bead_width / 4), first=plan.first
+            )
+        before = nozzle.position
+        strokes, lines = capped(planned.strokes, plan.spacing)
+        bridged = 0.0
+        if self._below is not None:
+            strokes, bridged = with_bridged_walls(
+                strokes, self._below[1], settings.bead_width, settings.minimum_edge
+            )
+        for stroke in strokes:
+            nozzle.print(stroke)
+        toolpath = nozzle.taken(plan.layer.index)
+        hang = self._hanging(toolpath, before, planned)
+        if level:
+            self._below = plan, lines
+        rest = before if nozzle.started else toolpath.points[:1]
+        nozzle.started |= len(toolpath.points) > 0
+        toolpath, seconds = cooled(toolpath, rest, settings)
+        if not self._told:
+            return toolpath, None
+        return toolpath, layer_report(
+            toolpath, before, len(strokes), plan, seconds, level, hang, bridged
+        )
+
+    def _hanging(
+        self, toolpath: Toolpath, before: Floats, planned: _Planned
+    ) -> tuple[Hanging, ...]:
+        """What of a layer hangs, if that is asked; `GeometryError` where it is too much."""
+        settings = self._settings
+        if self._below is None or (isinstance(settings.fail_over, str) and not self._told):
+            return ()
+        plan, lines = self._below
+        width = settings.bead_width
+        found = hanging(toolpath, before, lines, plan.area, width, planned.height)
+        refuse_spans(found, planned.plan.layer.index, planned.level, settings.fail_over)
+        return found
