@@ -27,13 +27,13 @@ def with_bridged_walls(
     """The strokes, with stretches of walls and inner perimeters that hang as bridges; mm of them.
 
     Such a stretch has less than half of its `width` (mm) over the beads `below`, for at least
-    `LEAST` widths. It begins and ends at a corner that is nearer than `shortest` (mm). Strokes
-    that pass a line twice stay as they are: their half beads lie on whole ones.
+    `LEAST` widths. It begins and ends at a corner that is nearer than `shortest` (mm). No stroke
+    passes a line twice.
     """
     found, length = list(strokes), 0.0
     for number, stroke in enumerate(strokes):
         chosen = np.flatnonzero(np.isin(stroke.feature, (CELLS, INNER_PERIMETER)))
-        if stroke.other is not None or not len(chosen):
+        if not len(chosen):
             continue
         start, steps = stroke.points[:-1], np.diff(stroke.points, axis=0)
         long = np.hypot(*steps.T)
@@ -41,10 +41,11 @@ def with_bridged_walls(
         of, low, high = far_from(start[chosen], stroke.points[1:][chosen], below, width / 2)
         of = chosen[of]
         spans = merged(at[of] + low * long[of], at[of] + high * long[of])
-        spans = spans[spans[:, 1] - spans[:, 0] >= LEAST * width]
+        spans = _snapped(spans[np.diff(spans)[:, 0] >= LEAST * width], at, shortest)
+        spans = spans[np.diff(spans)[:, 0] > 0]
         if len(spans):
-            found[number] = _cut(stroke, at, _snapped(spans, at, shortest))
-            length += float((spans[:, 1] - spans[:, 0]).sum())
+            found[number] = _cut(stroke, at, spans)
+            length += float(np.diff(spans).sum())
     return found, length
 
 

@@ -125,7 +125,7 @@ class _Laying:
         before = nozzle.position
         strokes, lines = capped(planned.strokes, plan.spacing)
         bridged = 0.0
-        if self._below is not None:
+        if self._below is not None and settings.wall_beads == 2:
             strokes, bridged = with_bridged_walls(
                 strokes, self._below[1], settings.bead_width, settings.minimum_edge
             )
