@@ -171,17 +171,17 @@ def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Segments, widt
     in after its middle, where it crosses an edge at 30° or more.
     """
     begins, ends = (way.at[of] + share * way.length[of] for share in (low, high))
-    runs = _merged(begins, ends)
+    runs = merged(begins, ends)
     steps = way.stop[of] - way.start[of]
     corner = way.start[of]
     free = far_from(corner + low[:, None] * steps, corner + high[:, None] * steps, under, width)
     size = (ends - begins)[free.segment]
     from_, to = (begins[free.segment] + share * size for share in (free.low, free.high))
     run = runs[np.searchsorted(runs[:, 0], from_ + ROUNDING, side="right") - 1]
-    return _merged(np.maximum(from_ - width, run[:, 0]), np.minimum(to + width, run[:, 1]))
+    return merged(np.maximum(from_ - width, run[:, 0]), np.minimum(to + width, run[:, 1]))
 
 
-def _merged(low: Floats, high: Floats) -> Floats:
+def merged(low: Floats, high: Floats) -> Floats:
     """(m, 2) the stretches low … high, (n,) each in order, those that meet as one."""
     if not len(low):
         return np.empty((0, 2))

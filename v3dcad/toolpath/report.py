@@ -50,6 +50,8 @@ class LayerReport:
     """whether it takes less than `minimum_layer_time`, even at the slowest speed"""
     hanging: tuple[Hanging, ...]
     """what hangs over the layer below, for each kind of beads of which some does"""
+    bridged: float
+    """mm of walls and inner perimeters that are bridges, since they hang"""
 
 
 def layer_report(
@@ -60,10 +62,12 @@ def layer_report(
     seconds: float,
     level: float,
     hanging: tuple[Hanging, ...],
+    bridged: float,
 ) -> LayerReport:
     """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to.
 
-    Its beads end at `level`, mm above the bed; 0 below the first layer. Some are `hanging`.
+    Its beads end at `level`, mm above the bed; 0 below the first layer. Some are `hanging`; so
+    many mm of walls are `bridged`.
     """
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
@@ -84,6 +88,7 @@ def layer_report(
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
         hanging=hanging,
+        bridged=bridged,
     )
 
 

@@ -15,6 +15,7 @@ from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Float
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_spacing
 from v3dcad.toolpath.beads import Nozzle
+from v3dcad.toolpath.bridged_walls import with_bridged_walls
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
 from v3dcad.toolpath.first_layer import cuts
@@ -123,6 +124,11 @@ class _Laying:
             )
         before = nozzle.position
         strokes, lines = capped(planned.strokes, plan.spacing)
+        bridged = 0.0
+        if self._below is not None and settings.wall_beads == 2:
+            strokes, bridged = with_bridged_walls(
+                strokes, self._below[1], settings.bead_width, settings.minimum_edge
+            )
         for stroke in strokes:
             nozzle.print(stroke)
         toolpath = nozzle.taken(plan.layer.index)
@@ -134,7 +140,9 @@ class _Laying:
         toolpath, seconds = cooled(toolpath, rest, settings)
         if not self._told:
             return toolpath, None
-        return toolpath, layer_report(toolpath, before, len(strokes), plan, seconds, level, hang)
+        return toolpath, layer_report(
+            toolpath, before, len(strokes), plan, seconds, level, hang, bridged
+        )
 
     def _hanging(
         self, toolpath: Toolpath, before: Floats, planned: _Planned

@@ -6,7 +6,7 @@ import numpy as np
 
 from v3dcad.model import Floats, Ints
 
-LASTS = 5
+LASTS = 6
 """Layers for which a link stays where it is."""
 RESTED = 2 * LASTS
 """Layers after which a wall may have a link as if it never had had one."""
