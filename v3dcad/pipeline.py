@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from v3dcad.arguments import finite, rows
-from v3dcad.cell_size import Expected, expected_print, with_cell_size
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -63,6 +62,7 @@ from v3dcad.views import Views
 from v3dcad.words import counted
 
 if TYPE_CHECKING:
+    from v3dcad.cell_size import Expected
     from v3dcad.geometry.solid.facets import Facets
     from v3dcad.structure.foam.graded import Graded
     from v3dcad.toolpath.certificate import PrintedOverhang
@@ -183,6 +183,8 @@ class Structure(Forms, Views, Pages):
 
     def plastic(self, printing: PrintSettings | None = None) -> Expected:
         """What the part takes as printed, brim and skirt left out, from beads on some layers."""
+        from v3dcad.cell_size import expected_print
+
         return expected_print(self.layers, self.settings, printing or PrintSettings())
 
     def facets(self, beyond: float = 0.0) -> Facets:
@@ -355,6 +357,8 @@ def fill_sectioned(
 
     def layers_by(sized: FillSettings) -> Sequence[Layer]:
         return fill_sectioned(found, sized, None, progress).layers
+
+    from v3dcad.cell_size import with_cell_size
 
     settings, expected = with_cell_size(
         found.sections, part.bounds, settings, printing or PrintSettings(), layers_by, progress
