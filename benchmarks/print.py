@@ -75,8 +75,11 @@ def beyond(path: Toolpath, width: float) -> int:
     outer = extrudes & (path.feature == PERIMETER)
     loops = np.count_nonzero(outer & ~np.concatenate([[False], outer[:-1]]))
     regions = 0
+    skins = np.isin(path.feature, (SOLID, BRIDGE))
+    walls = np.bincount(np.cumsum(begins), extrudes & ~skins)[np.cumsum(begins)] > 0
     for feature in (SOLID, BRIDGE):
-        lines = shapely.linestrings(segments(path, feature))
+        ends = np.stack([path.points[:-1], path.points[1:]], axis=1)[..., :2]
+        lines = shapely.linestrings(ends[(extrudes & ~walls & (path.feature == feature))[1:]])
         covered = shapely.union_all(shapely.buffer(lines, 0.6 * width, quad_segs=2))
         regions += sum(not part.is_empty for part in shapely.get_parts(covered))
     return max(int(np.count_nonzero(begins)) - loops - regions, 0)
@@ -103,6 +106,7 @@ def row(name: str, part: Any, wall_beads: int) -> str:
     lengths = np.concatenate([np.hypot(*np.diff(segments(path), axis=1)[:, 0].T) for path in paths])
     extruded = sum(report.extruded for report in reports)
     walls = sum(float(np.hypot(*np.diff(segments(p, CELLS), axis=1)[:, 0].T).sum()) for p in paths)
+    bridged = sum(report.bridged for report in reports)
     overhang = printed_overhang(reports)
     kinds = dict(zip(overhang.kinds, range(len(overhang.kinds)), strict=True))
     cells = (
@@ -116,6 +120,7 @@ def row(name: str, part: Any, wall_beads: int) -> str:
         f"{max(full) - 1:.1%}",
         f"{np.mean(uncovered):.1%}",
         f"{overhang.length[:, kinds['walls']].sum() / walls:.2%}",
+        f"{bridged / walls:.2%}",
         *(
             f"{overhang.span[:, kinds[kind]].max():.1f}"
             for kind in ("perimeters", "bridges", "walls")
@@ -134,8 +139,8 @@ def row(name: str, part: Any, wall_beads: int) -> str:
 def main() -> None:
     """Print the table."""
     columns = (
-        "part wall_beads first_z stops beyond retrace overfill worst bare hang perimeters bridges "
-        "walls under_0.1 least_s told hours g trace_ms"
+        "part wall_beads first_z stops beyond retrace overfill worst bare hang bridged perimeters "
+        "bridges walls under_0.1 least_s told hours g trace_ms"
     )
     print(" ".join(f"{name:>13}" for name in columns.split()))
     for name, part in parts().items():

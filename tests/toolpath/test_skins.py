@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import shapely
 from diagrams import layer, scattered
+from numpy.typing import NDArray
 
 from v3dcad.geometry.section_area import section_area
-from v3dcad.model import BRIDGE, CELLS, EXTRUDE, SOLID, Floats, Layer, Section, Toolpath
+from v3dcad.model import BRIDGE, CELLS, EXTRUDE, NO_FEATURE, SOLID, Floats, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bridging import Held, direction
 from v3dcad.toolpath.report import LayerReport
@@ -53,11 +54,25 @@ def traced(layers: list[Layer], **options: Any) -> tuple[list[Toolpath], list[La
     return list(trace(layers, PrintSettings(**{**usual, **options}), reports.append)), reports
 
 
+def of_skins(path: Toolpath) -> NDArray[np.bool_]:
+    """(p,) whether a step belongs to a stroke of solid lines and bridges alone: walls may hang."""
+    stroke = np.cumsum(path.kind != EXTRUDE)
+    others = (path.kind == EXTRUDE) & ~np.isin(path.feature, (SOLID, BRIDGE))
+    return (path.kind == EXTRUDE) & (np.bincount(stroke, others)[stroke] == 0)
+
+
 def laid(path: Toolpath, *features: int) -> Floats:
     """(k, 2, 2) segments extruded for some features, or for any."""
     ends = np.stack([path.points[:-1], path.points[1:]], axis=1)[..., :2]
     chosen = path.kind[1:] == EXTRUDE
     return ends[chosen & np.isin(path.feature[1:], features) if features else chosen]
+
+
+def skin(path: Toolpath, *features: int) -> Floats:
+    """The same of skins alone: walls may be bridges, too."""
+    return laid(
+        replace(path, feature=np.where(of_skins(path), path.feature, NO_FEATURE)), *features
+    )
 
 
 @pytest.mark.parametrize(("bottom", "top"), [(0, 3), (2, 0), (3, 4), (30, 30)])
@@ -125,7 +140,7 @@ def test_each_step_of_stairs_is_closed(wall_beads: int, contour: str, perimeters
     """On the layers below a tread all of it is covered, and cells go on under the other half."""
     options: Any = {"wall_beads": wall_beads, "contour": contour, "perimeters": perimeters}
     paths, _ = traced(stairs(), bottom_layers=2, top_layers=3, **options)
-    solid = [k for k, path in enumerate(paths) if len(laid(path, SOLID, BRIDGE))]
+    solid = [k for k, path in enumerate(paths) if len(skin(path, SOLID, BRIDGE))]
     assert solid == [0, 1, 9, 10, 11, 21, 22, 23]
     tread = shapely.box(1, -SIDE + 1, SIDE - 1, SIDE - 1)
     for k in (9, 10, 11):
@@ -146,27 +161,27 @@ def test_a_solid_layer_takes_the_plastic_that_it_has_room_for(hole: float) -> No
 
 def test_open_is_without_skins() -> None:
     for path in traced(tunnel(), open=True)[0]:
-        assert not len(laid(path, SOLID, BRIDGE))
+        assert not len(skin(path, SOLID, BRIDGE))
 
 
 def test_what_is_laid_on_cells_is_a_bridge_and_what_is_on_it_is_not() -> None:
     """A bridge is laid in full; the lines on it lose what they have no room for where they turn."""
     paths, _ = traced(stairs(), bridge_speed=13.0, solid_speed=31.0, bridge_flow=80.0)
-    bridged = [k for k, path in enumerate(paths) if len(laid(path, BRIDGE))]
+    bridged = [k for k, path in enumerate(paths) if len(skin(path, BRIDGE))]
     assert bridged == [8, 20]
     for path in (paths[8], paths[9]):
         for feature, speed, flow, lost in ((BRIDGE, 13.0, 0.8, 1e-9), (SOLID, 31.0, 1.0, 0.01)):
-            chosen = (path.feature == feature) & (path.kind == EXTRUDE)
+            chosen = (path.feature == feature) & of_skins(path)
             assert (path.speed[chosen] == speed).all()
             if chosen.any():
-                length = np.hypot(*np.diff(laid(path, feature), axis=1)[:, 0].T).sum()
+                length = np.hypot(*np.diff(skin(path, feature), axis=1)[:, 0].T).sum()
                 area = 0.2 * (W - 0.2 * (1 - np.pi / 4)) * flow
                 assert 1 - lost <= path.volume[chosen].sum() / (length * area) <= 1 + 1e-9
 
 
 def test_a_roof_over_a_tunnel_is_laid_across_it() -> None:
     paths, _ = traced(tunnel())
-    steps = np.diff(laid(paths[16], BRIDGE), axis=1)[:, 0]
+    steps = np.diff(skin(paths[16], BRIDGE), axis=1)[:, 0]
     length = np.hypot(*steps.T)
     along = np.abs(steps[:, 0]) / length
     assert length[along > 0.999].sum() > 0.9 * length.sum()
