@@ -18,8 +18,9 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 from one_diagram import GRID, power_diagram
 
 from v3dcad.formats.curve_step import step_text
-from v3dcad.geometry.surface.contour_curves import contours
-from v3dcad.kernel.wires import layer_curves, layer_wires
+from v3dcad.geometry.surface.contour_curves import Stretch, contours
+from v3dcad.kernel.curves import run_curve
+from v3dcad.kernel.wires import _arc, layer_curves, layer_wires
 from v3dcad.model import CurveRun, Diagram, Floats, Layer, Placement, Section
 from v3dcad.structure.thesis.sites import PlaneSites
 
@@ -185,3 +186,18 @@ def test_a_wall_that_ends_where_two_curves_meet_leaves_their_corner_alone() -> N
     assert [0, -10] in wall.tolist()
     points = points_of(layer_wires(layer, Placement.none()))
     assert np.hypot(*(points[:, :2] - [0, -10]).T).min() < 1e-9
+
+
+@pytest.mark.parametrize(("stop", "curved"), [(0.9424, False), (0.95, True), (4.0, True)])
+def test_walls_that_pass_each_other_on_a_circle_leave_no_circle_behind(
+    stop: float, curved: bool
+) -> None:
+    """The second of two walls ends 7 µm before the first, or after it."""
+    angles = np.linspace(0.9431, stop, 2 if stop < 1 else 40)
+    points = np.column_stack([10 * np.cos(angles), 10 * np.sin(angles), np.zeros(len(angles))])
+    ring = 10 * np.column_stack([f(np.linspace(0, 6, 60)) for f in (np.cos, np.sin)])
+    run = CurveRun(0, 0, 59, "circle", 0, (0.0, 0.0, 10.0))
+    curve = run_curve(run, Section(0.0, (ring,), (run,)))
+    arc = _arc(Stretch(list(range(len(angles))), run), curve, points)
+    assert (arc.curve is not None) == curved
+    assert arc.last - arc.first == pytest.approx(stop - 0.9431 if curved else 0)

@@ -98,8 +98,8 @@ def hit(curve: Geom_Curve, end: Floats, way: Floats) -> Floats:
         parameter += step
         if abs(step) * tangent.Magnitude() < 1e-12:
             break
-    found = _point(curve, parameter)
-    return found if np.linalg.norm(found - end) < MAX_END_SHIFT else _point(curve, start)
+    found = point_at(curve, parameter)
+    return found if np.linalg.norm(found - end) < MAX_END_SHIFT else point_at(curve, start)
 
 
 def span(curve: Geom_Curve, start: Floats, stop: Floats) -> tuple[float, float]:
@@ -110,7 +110,8 @@ def span(curve: Geom_Curve, start: Floats, stop: Floats) -> tuple[float, float]:
     return first, last
 
 
-def _point(curve: Geom_Curve, parameter: float) -> Floats:
+def point_at(curve: Geom_Curve, parameter: float) -> Floats:
+    """A curve's point (3,), mm, at a parameter."""
     point = curve.Value(parameter)
     return np.array([point.X(), point.Y(), point.Z()])
 

@@ -17,7 +17,7 @@ from OCP.TopoDS import TopoDS_Compound, TopoDS_Edge, TopoDS_Vertex, TopoDS_Wire
 from v3dcad.geometry.drawing import Conic, Drawing, Spline
 from v3dcad.geometry.graphs.trails import trails
 from v3dcad.geometry.surface.contour_curves import Stretch, contours
-from v3dcad.kernel.curves import hit, plain_curve, run_curve, span
+from v3dcad.kernel.curves import hit, plain_curve, point_at, run_curve, span
 from v3dcad.kernel.shapes import TOLERANCE, compound, location
 from v3dcad.model import Floats, Ints, Layer, Placement
 
@@ -107,10 +107,19 @@ def _pairs_around(contour: list[Stretch]) -> Iterator[tuple[Stretch, Stretch]]:
 
 
 def _arc(stretch: Stretch, curve: Geom_Curve | None, points: Floats) -> Arc:
+    """A stretch's curve between its ends.
+
+    Walls that end micrometres apart may pass each other when they are moved to the curve; what is
+    between them is then straight, not the rest of the circle.
+    """
     if curve is None:
         return Arc(stretch.chain, None, 0.0, 0.0)
     ends = points[stretch.chain[0]], points[stretch.chain[-1]]
-    return Arc(stretch.chain, curve, *span(curve, *ends))
+    first, last = span(curve, *ends)
+    length = np.linalg.norm(np.diff(points[stretch.chain], axis=0), axis=1).sum()
+    if np.linalg.norm(point_at(curve, (first + last) / 2) - ends[0]) > length:
+        return Arc([stretch.chain[0], stretch.chain[-1]], None, 0.0, 0.0)
+    return Arc(stretch.chain, curve, first, last)
 
 
 class _Corners:
