@@ -1,4 +1,6 @@
-"""Draw the pictures of docs/gallery.md: `python samples/gallery.py [BUNNY.stl] [NIST.stp]`.
+"""Draw the pictures of docs/gallery.md and docs/printing-well.md.
+
+`python samples/gallery.py [BUNNY.stl] [NIST.stp]`, with PYTHONPATH=.:samples in a checkout.
 
 The bunny and NIST's machined part are not in this repository; without their files, which any STL
 and STEP may take the place of, their pictures stay as they are. The same bytes each time.
@@ -8,6 +10,7 @@ from __future__ import annotations
 
 import io
 import sys
+from itertools import product
 from pathlib import Path
 
 from PIL import Image
@@ -19,24 +22,25 @@ from v3dcad.view.figures import part_picture
 from v3dcad.view.picture import choose
 
 SAMPLES = Path(__file__).resolve().parent
-FOLDER = SAMPLES.parent / "docs" / "gallery"
-SIZES, COLOURS, MOST = (640, 480, 360, 240), 48, 64_000
-"""Pictures are kept as tall as this (pixels), in so many colours: the first size that takes at most
-so many bytes."""
+GALLERY, PRINTING = (SAMPLES.parent / "docs" / name for name in ("gallery", "printing-well"))
+SIZES, COLOURS, MOST = (640, 480, 360, 240), (48, 24, 16), 64_000
+"""Pictures are kept as tall as this (pixels), in so many colours: of the first size that takes at
+most so many bytes the most colours."""
 
 
-def write(name: str, data: bytes) -> None:
+def write(file: Path, data: bytes) -> None:
     """Keep a picture, small."""
     with Image.open(io.BytesIO(data)) as picture:
         drawn = picture.convert("RGB")
-    for height in SIZES:
+    for height, colours in product(SIZES, COLOURS):
         width = height * drawn.width // drawn.height
         small = drawn.resize((width, height), Image.Resampling.LANCZOS)
         kept = io.BytesIO()
-        small.quantize(COLOURS, dither=Image.Dither.NONE).save(kept, "PNG", optimize=True)
+        small.quantize(colours, dither=Image.Dither.NONE).save(kept, "PNG", optimize=True)
         if len(kept.getvalue()) <= MOST:
             break
-    (FOLDER / f"{name}.png").write_bytes(kept.getvalue())
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(kept.getvalue())
 
 
 def draw_thesis(recipe: Recipe) -> None:
@@ -45,17 +49,17 @@ def draw_thesis(recipe: Recipe) -> None:
     layers, mesh = choose(structure.layers).layers, structure.part.mesh()
     name = recipe.name.replace(" ", "-")
     for view, from_top in (("top", True), ("perspective", False)):
-        write(f"{name}-{view}", part_picture(layers, mesh, 0.0, from_top=from_top, whole=True))
+        picture = part_picture(layers, mesh, 0.0, from_top=from_top, whole=True)
+        write(GALLERY / f"{name}-{view}.png", picture)
 
 
 def draw_foam(name: str, structure: Structure) -> None:
     """A foam with a quarter cut away."""
-    write(name, structure.picture())
+    write(GALLERY / f"{name}.png", structure.picture())
 
 
 def main(bunny: Path | None, machined: Path | None) -> None:
     """Draw all pictures whose parts there are."""
-    FOLDER.mkdir(exist_ok=True)
     for recipe in published(bunny):
         draw_thesis(recipe)
     bracket, pyramid = SAMPLES / "bracket.step", SAMPLES / "pyramid.step"
@@ -65,7 +69,11 @@ def main(bunny: Path | None, machined: Path | None) -> None:
     foam = v3dcad.fill(pyramid, cell_size=8)
     cell, neighbour = foam.layers[60].diagram.neighbours[60].tolist()
     for target in ("layer", "neighbours", "tree", "cut", "sizes", "overhang", "toolpath"):
-        write(f"target-{target}", foam.picture(target, 60, cell, neighbour, ids=target == "layer"))
+        picture = foam.picture(target, 60, cell, neighbour, ids=target == "layer")
+        write(GALLERY / f"target-{target}.png", picture)
+    plain = v3dcad.fill(bracket)
+    for name, layer in (("skin", 1), ("walls", 20), ("roof", 37)):
+        write(PRINTING / f"{name}.png", plain.picture("toolpath", layer))
     if machined is not None:
         draw_foam("nist", v3dcad.fill(machined, layer_height=2.0))
 

@@ -37,8 +37,8 @@ MAY_IMPORT = {
     "ont": INSIDE | {"pipeline", "recipes"},
     "version": set(),
     "forms": INSIDE | RIM | {"files", "sources"},
-    "pages": INSIDE | {"files", "toolpath", "view"},
-    "views": INSIDE | {"files", "report", "toolpath", "view"},
+    "pages": INSIDE | {"files", "view"},
+    "views": INSIDE | {"files", "report", "view"},
     "adapters": INSIDE | {"adapters", "forms", "kernel", "pipeline", "sources"},
     "report": INSIDE | {"formats", "structure", "toolpath"},
     "pipeline": INSIDE

@@ -33,7 +33,10 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
         ]
         taken = {option(parameter.name) for parameter in parameters}
         for cls in classes:
-            parameters += [_parameter(cls, name, taken) for name in cls.__dataclass_fields__]
+            kinds = get_type_hints(cls)
+            parameters += [
+                _parameter(cls, name, kinds[name], taken) for name in cls.__dataclass_fields__
+            ]
 
         def run(**arguments: Any) -> None:
             command(**arguments)
@@ -47,10 +50,9 @@ def with_options(*classes: type[Checked]) -> Callable[[Command], Command]:
     return decorate
 
 
-def _parameter(cls: type[Checked], name: str, taken: set[str]) -> inspect.Parameter:
+def _parameter(cls: type[Checked], name: str, kind: Any, taken: set[str]) -> inspect.Parameter:
     known = declared(cls, name)
     default = cls.__dataclass_fields__[name].default
-    kind = get_type_hints(cls)[name]
     number = next((one for one in (float, int) if one in (get_args(kind) or (kind,))), None)
     off = "--no-" + option(name)[2:]
     names = [f"{option(name)}/{off}" if kind is bool and off not in taken else option(name)]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
 from v3dcad.files import written_beside
-from v3dcad.model import Layer, Part, Placement, size_words
+from v3dcad.model import Layer, Part, Placement, Toolpath, size_words
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.view.page.first import WHOLE, First
 from v3dcad.view.targets.declared import target_of
@@ -32,6 +32,10 @@ class Pages(Protocol):
     def settings(self) -> FillSettings:
         """What it was filled with."""
 
+    @abstractmethod
+    def toolpaths(self, printing: PrintSettings | None = None) -> Iterator[Toolpath]:
+        """The nozzle's way on each layer."""
+
     def page(
         self,
         printing: PrintSettings | None = None,
@@ -48,7 +52,6 @@ class Pages(Protocol):
         of later ones. Raises `SettingError` for a target, layer, cell or neighbour that is not
         there.
         """
-        from v3dcad.toolpath.trace import trace
         from v3dcad.view.page.content import MOST_SEGMENTS, page
 
         target, layer, cell, neighbour = first
@@ -62,7 +65,7 @@ class Pages(Protocol):
                 cell,
                 neighbour,
             )
-        span, thesis = self.settings.layer_span(), self.settings.method == "thesis"
+        span = self.settings.layer_span()
         facts = {
             "size": size_words(self.part),
             "layers": f"{len(self.layers)} of {span[0]:g} mm",
@@ -74,7 +77,7 @@ class Pages(Protocol):
             span,
             self.part.mesh(),
             facts,
-            () if printing is None else trace(self.layers, printing, thesis=thesis),
+            () if printing is None else self.toolpaths(printing),
             printing,
             first,
             most=MOST_SEGMENTS if most is None else most,

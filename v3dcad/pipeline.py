@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from numbers import Real
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from v3dcad.arguments import finite, rows
-from v3dcad.cell_size import Expected, expected_print, with_cell_size
 from v3dcad.errors import FormatError, SettingError
 from v3dcad.files import written_beside
 from v3dcad.forms import Forms
@@ -28,6 +27,7 @@ from v3dcad.model import (
     Progress,
     Recipe,
     Section,
+    Toolpath,
     part_words,
     unheard,
 )
@@ -62,9 +62,11 @@ from v3dcad.views import Views
 from v3dcad.words import counted
 
 if TYPE_CHECKING:
+    from v3dcad.cell_size import Expected
     from v3dcad.geometry.solid.facets import Facets
     from v3dcad.structure.foam.graded import Graded
     from v3dcad.toolpath.certificate import PrintedOverhang
+    from v3dcad.toolpath.report import LayerReport
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -131,21 +133,33 @@ class Structure(Forms, Views, Pages):
         """The certificate: how every layer rests on the one below."""
         return overhang(self.layers, bead_width)
 
+    def toolpaths(
+        self,
+        printing: PrintSettings | None = None,
+        report: Callable[[LayerReport], None] | None = None,
+    ) -> Iterator[Toolpath]:
+        """The nozzle's way on each layer, bed coordinates, as it is gone through.
+
+        `report` hears what each layer comes to. Raises `GeometryError` where beads span more than
+        `fail_over`, and where nothing is printed.
+        """
+        from v3dcad.toolpath.trace import trace
+
+        thesis = self.settings.method == "thesis"
+        return trace(self.layers, printing or PrintSettings(), report, thesis=thesis)
+
     def printed_overhang(self, settings: PrintSettings | None = None) -> PrintedOverhang:
         """The certificate of a print: what of its beads hangs over the layer below, and where.
 
-        Traces all layers. Raises `GeometryError` where beads span more than `fail_over`,
-        `SettingError` where the structure cannot be printed so.
+        Traces all layers. Raises as `toolpaths` does, and `SettingError` where the structure cannot
+        be printed so.
         """
         from v3dcad.toolpath.certificate import printed_overhang
-        from v3dcad.toolpath.report import LayerReport
-        from v3dcad.toolpath.trace import trace
 
         settings = settings or PrintSettings()
         self._check_limits(settings)
         reports: list[LayerReport] = []
-        thesis = self.settings.method == "thesis"
-        for _ in trace(self.layers, settings, reports.append, thesis=thesis):
+        for _ in self.toolpaths(settings, reports.append):
             pass
         return printed_overhang(reports)
 
@@ -169,6 +183,8 @@ class Structure(Forms, Views, Pages):
 
     def plastic(self, printing: PrintSettings | None = None) -> Expected:
         """What the part takes as printed, brim and skirt left out, from beads on some layers."""
+        from v3dcad.cell_size import expected_print
+
         return expected_print(self.layers, self.settings, printing or PrintSettings())
 
     def facets(self, beyond: float = 0.0) -> Facets:
@@ -227,15 +243,13 @@ class Structure(Forms, Views, Pages):
         other (see `limits.py`).
         """
         from v3dcad.formats.gcode.writer import check_fits, write_gcode
-        from v3dcad.toolpath.report import LayerReport, findings
-        from v3dcad.toolpath.trace import trace
+        from v3dcad.toolpath.report import findings
 
         settings = settings or PrintSettings()
         self._check_limits(settings)
         check_fits(self.part.bounds, settings)
         reports: list[LayerReport] = []
-        thesis = self.settings.method == "thesis"
-        toolpaths = trace(self.layers, settings, reports.append, thesis=thesis)
+        toolpaths = self.toolpaths(settings, reports.append)
         with (
             written_beside(Path(path)) as beside,
             beside.open("w", encoding="utf-8", newline="\n") as stream,
@@ -343,6 +357,8 @@ def fill_sectioned(
 
     def layers_by(sized: FillSettings) -> Sequence[Layer]:
         return fill_sectioned(found, sized, None, progress).layers
+
+    from v3dcad.cell_size import with_cell_size
 
     settings, expected = with_cell_size(
         found.sections, part.bounds, settings, printing or PrintSettings(), layers_by, progress

@@ -20,11 +20,11 @@ from v3dcad.structure.foam.sites import FoamSites
 from v3dcad.structure.foam.space import steepest_in, tilt
 from v3dcad.structure.overhang import Overhang
 from v3dcad.structure.thesis.loop import ThesisFilling
-from v3dcad.toolpath.certificate import PrintedOverhang, printed_overhang
-from v3dcad.toolpath.report import LayerReport
 
 if TYPE_CHECKING:
     from v3dcad.structure.foam.graded import Graded
+    from v3dcad.toolpath.certificate import PrintedOverhang
+    from v3dcad.toolpath.report import LayerReport
 
 MEASURED = 1000
 """How many cells are measured to say how tall they are; more would not change the mean."""
@@ -41,6 +41,8 @@ class Print:
     @property
     def overhang(self) -> PrintedOverhang:
         """What of the printed beads has nothing under it."""
+        from v3dcad.toolpath.certificate import printed_overhang
+
         return printed_overhang(self.layers)
 
 

@@ -6,13 +6,13 @@ matplotlib is loaded when a picture is drawn.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from v3dcad.errors import SettingError
 from v3dcad.files import written_beside
-from v3dcad.model import Layer, Part, Placement, size_words
+from v3dcad.model import Layer, Part, Placement, Toolpath, size_words
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.view.targets.preview import preview
 from v3dcad.view.targets.shown import Preview
@@ -45,6 +45,10 @@ class Views(Protocol):
     def settings(self) -> FillSettings:
         """What it was filled with."""
 
+    @abstractmethod
+    def toolpaths(self, printing: PrintSettings | None = None) -> Iterator[Toolpath]:
+        """The nozzle's way on each layer."""
+
     def preview(
         self,
         target: str,
@@ -69,11 +73,7 @@ class Views(Protocol):
         neighbour: int | None,
         printing: PrintSettings | None,
     ) -> Preview:
-        from v3dcad.toolpath.trace import trace
-
-        thesis = self.settings.method == "thesis"
-        # Nothing is traced yet.
-        toolpaths = trace(self.layers, printing or PrintSettings(), thesis=thesis)
+        toolpaths = self.toolpaths(printing)  # none is traced yet
         span = self.settings.layer_span()
         return preview(target, self.layers, placement, layer, cell, neighbour, toolpaths, span)
 

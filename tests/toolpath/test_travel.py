@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from diagrams import disc, square
+from scipy.sparse.csgraph import dijkstra
 
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import Floats, Section
@@ -45,3 +46,23 @@ def test_straight_where_there_is_no_way(stop: tuple[float, float]) -> None:
     )
     way = Traveller(section_area(island), 0.2).way(np.array([-8.0, 0]), np.array(stop))
     assert way.tolist() == [list(stop)]
+
+
+def test_the_way_is_the_shortest_there_is() -> None:
+    """Against Dijkstra's over all pairs of corners that see each other."""
+    holes = [shapely.box(x, y, x + 3, y + 5) for x in range(2, 40, 5) for y in range(2, 40, 7)]
+    area = shapely.box(0, 0, 45, 45) - shapely.union_all(holes)
+    start, stop = np.array([0.5, 1.0]), np.array([43.0, 44.5])
+    way = Traveller(area, 0.2).way(start, stop)
+    drawn_in = shapely.box(0, 0, 45, 45) - shapely.union_all(
+        [hole.buffer(0.2, join_style="mitre") for hole in holes]
+    )
+    corners = np.unique(shapely.get_coordinates(drawn_in), axis=0)
+    points = np.vstack([start, stop, corners])
+    lines = np.stack(
+        [points[:, None].repeat(len(points), 1), points[None].repeat(len(points), 0)], 2
+    )
+    seen = shapely.covers(area, shapely.linestrings(lines))
+    lengths = np.where(seen, np.hypot(*np.moveaxis(lines[:, :, 1] - lines[:, :, 0], 2, 0)), 0)
+    assert area.covers(shapely.LineString(np.vstack([start, way])))
+    assert length(start, way) == pytest.approx(dijkstra(lengths, indices=0)[1], abs=1e-9)

@@ -22,3 +22,24 @@ def test_an_inner_function_has_its_one_signature_and_is_not_loaded_where_its_cal
     said_twice: Callable[[str, str], list[str]],
 ) -> None:
     assert said_twice(SOURCE, SHOW) == ["1.5 [(float64,)]\n", "1.5 []\n"]
+
+
+THREADS = """
+import sys, threading
+import halves
+sys.setswitchinterval(1e-6)
+started, found = threading.Barrier(4), []
+def ask():
+    started.wait()
+    found.append(halves.quarter(6))
+threads = [threading.Thread(target=ask) for _ in range(4)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+print(found, len(halves.quarter.overloads))
+"""
+
+
+def test_threads_that_call_a_function_first_at_once_compile_it_once(
+    said_twice: Callable[[str, str], list[str]],
+) -> None:
+    assert said_twice(SOURCE, THREADS) == ["[1.5, 1.5, 1.5, 1.5] 1\n"] * 2

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 
 from v3dcad.geometry.compiled.signatures import signature_of
@@ -70,11 +71,15 @@ def compiled(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 def compile_now(function: Any) -> None:
-    """Compile a function that `compiled` decorates, or take it from numba's cache."""
-    if not function.overloads:
-        function.compile(signature_of(function.py_func))
-        function.disable_compile()
-        vars(function).pop("_compile_for_args", None)  # from now on, what does not fit is an error
+    """Compile a function that `compiled` decorates, or take it from numba's cache.
+
+    Where several threads ask at once, one does it, and the others wait.
+    """
+    with global_compiler_lock:
+        if not function.overloads:
+            function.compile(signature_of(function.py_func))
+            function.disable_compile()
+            vars(function).pop("_compile_for_args", None)  # now what does not fit is an error
 
 
 def called_by_python(value: object) -> bool:
