@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import os
-import pty
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -12,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from terminals import open_terminal
 
 from v3dcad import warm_up
 from v3dcad.commands.compiling import MOST_HELPERS, NOTICE
@@ -71,7 +71,7 @@ except SystemExit as end:
 
 def said_on_a_terminal(cache: Path, *words: str) -> str:
     """What a command says on stderr, a terminal, until it tells of compiling into a folder."""
-    ours, theirs = pty.openpty()
+    ours, theirs = open_terminal()
     code = "from v3dcad.cli import main; main()"
     child = subprocess.Popen(
         [sys.executable, "-c", code, *words], stdout=subprocess.DEVNULL, stderr=theirs,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from v3dcad.words import counted
+from v3dcad.words import counted, point_words
 
 
 @pytest.mark.parametrize(
@@ -23,3 +23,8 @@ from v3dcad.words import counted
 )
 def test_a_number_tells_its_noun_as_english_has_it(number: int, noun: str, words: str) -> None:
     assert counted(number, noun) == words
+
+
+def test_a_point_tells_no_rounding_about_zero() -> None:
+    assert point_words((-1.35e-15, 4.0, -103.87654321)) == "(0, 4, -103.877)"
+    assert point_words((-4e-7, 4e-6, 0.0)) == "(0, 4e-06, 0)"

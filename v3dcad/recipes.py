@@ -16,6 +16,7 @@ from v3dcad.formats.mesh.stl import welded
 from v3dcad.model import Brep, Floats, Mesh, Part, Recipe, size_words
 from v3dcad.parts import MeshPart, check_readable
 from v3dcad.settings import SIZING, FillSettings, declared, option
+from v3dcad.words import point_words
 
 BOUNDARIES = ("stl", "exact")
 """How an `.ont` file may hold the part: as the thesis does, or to the last bit and small."""
@@ -214,12 +215,11 @@ def describe(part: Part, held: dict[str, str] | None = None) -> dict[str, str]:
     if held is None:
         held = {"kind": "triangles" if isinstance(part, MeshPart) else "B-rep"}
     low, high = part.bounds
-    corners = [", ".join(f"{value:.6g}" for value in corner) for corner in (low, high)]
     return {
         "name": part.name,
         **held,
         "size": size_words(part),
-        "from, to": f"({corners[0]}), ({corners[1]}) mm",
+        "from, to": f"{point_words(low)}, {point_words(high)} mm",
         **part.contents(),
         **{f"note {k}": finding for k, finding in enumerate(part.findings, start=1)},
     }

@@ -1,6 +1,8 @@
-"""Numbers with their nouns, as messages tell them."""
+"""Numbers with their nouns, and points, as messages tell them."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 PLURALS = {"vertex": "vertices"}
 """Nouns whose plural has no rule."""
@@ -18,3 +20,8 @@ def plural(noun: str) -> str:
     if noun.endswith("y") and noun[-2] not in "aeiou":
         return f"{noun[:-1]}ies"
     return f"{noun}es" if noun.endswith(("s", "x", "sh", "ch")) else f"{noun}s"
+
+
+def point_words(point: Iterable[float]) -> str:
+    """A point in mm: `(1, 2.5, -3)`. What lies within half a nanometre of 0 is rounding, and 0."""
+    return "(" + ", ".join(f"{round(value, 6) + 0.0:.6g}" for value in point) + ")"

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeWire
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeEdge,
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_MakeWire,
+)
 from OCP.BRepOffsetAPI import BRepOffsetAPI_ThruSections
 from OCP.BRepPrimAPI import (
     BRepPrimAPI_MakeBox,
     BRepPrimAPI_MakeCone,
     BRepPrimAPI_MakeCylinder,
+    BRepPrimAPI_MakePrism,
     BRepPrimAPI_MakeSphere,
     BRepPrimAPI_MakeTorus,
 )
+from OCP.GC import GC_MakeArcOfCircle
 from OCP.GeomAPI import GeomAPI_Interpolate
-from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Vec
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TColgp import TColgp_HArray1OfPnt
 from OCP.TopoDS import TopoDS_Shape
@@ -76,6 +82,29 @@ def loft() -> TopoDS_Shape:
         edge = BRepBuilderAPI_MakeEdge(spline.Curve()).Edge()
         sections.AddWire(BRepBuilderAPI_MakeWire(edge).Wire())
     return sections.Shape()
+
+
+def horn() -> TopoDS_Shape:
+    """A prism 60 mm high; two arcs of its outline meet at a tip of 0.02 rad, where chords cross."""
+
+    def on_arc(turned: float, along: float) -> gp_Pnt:
+        """A point of an arc of 1 mm about (0, 1, 0), turned about the tip, which is the origin."""
+        x, y = np.sin(along), 1 - np.cos(along)
+        c, s = np.cos(turned), np.sin(turned)
+        return gp_Pnt(c * x - s * y, s * x + c * y, 0)
+
+    def arc(turned: float, length: float) -> TopoDS_Shape:
+        points = [on_arc(turned, share * length) for share in (0, 0.5, 1)]
+        return BRepBuilderAPI_MakeEdge(GC_MakeArcOfCircle(*points).Value()).Edge()
+
+    corner = gp_Pnt(5, 5, 0)
+    outline = BRepBuilderAPI_MakeWire(
+        arc(0.0, 1.0), BRepBuilderAPI_MakeEdge(on_arc(0.0, 1.0), corner).Edge()
+    )
+    outline.Add(BRepBuilderAPI_MakeEdge(corner, on_arc(0.02, 0.6)).Edge())
+    outline.Add(arc(0.02, 0.6))
+    face = BRepBuilderAPI_MakeFace(outline.Wire(), True).Face()
+    return BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, 60)).Shape()
 
 
 def nist(name: str) -> TopoDS_Shape:

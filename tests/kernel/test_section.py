@@ -368,3 +368,8 @@ def test_what_is_refused():
         surface_mesh(solid)
     with pytest.raises(KernelError, match="no face"):
         surface_mesh(shapes.compound([]))
+
+
+def test_a_tip_at_which_chords_cross_is_meshed_finer() -> None:
+    shape = shapes.horn()
+    assert area_at(shape, 30) == pytest.approx(volume(shape) / 60, rel=1e-9)

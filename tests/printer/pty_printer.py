@@ -11,6 +11,7 @@ import tty
 from collections import deque
 
 from printer.firmware import Firmware
+from terminals import open_terminal
 
 
 class PtyPrinter:
@@ -23,7 +24,7 @@ class PtyPrinter:
     def __init__(self, firmware: Firmware, bytes_per_second: float = 0.0) -> None:
         self.firmware = firmware
         self._per_byte = 1 / bytes_per_second if bytes_per_second else 0.0
-        self._master, self._slave = os.openpty()
+        self._master, self._slave = open_terminal()
         tty.setraw(self._slave)
         self.port = os.ttyname(self._slave)
         self._stop = threading.Event()

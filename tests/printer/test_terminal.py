@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from printer.firmware import Firmware
 from printer.pty_printer import PtyPrinter
+from terminals import open_terminal
 
 from v3dcad.cli import main
 from v3dcad.commands.controls import Wish, wish_of
@@ -29,7 +30,7 @@ class Terminal:
     """A command on a terminal of its own."""
 
     def __init__(self, home: Path, *words: object) -> None:
-        self.master, slave = os.openpty()
+        self.master, slave = open_terminal()
         self.process = subprocess.Popen(
             [sys.executable, "-c", "from v3dcad.cli import main; main()", *map(str, words)],
             stdin=slave, stdout=slave, stderr=slave, start_new_session=True,

@@ -50,6 +50,9 @@ of every face: sections do not become more exact with a finer one."""
 ANGLE = 0.5
 """Largest turn between two neighbours on the first mesh, radians."""
 
+FINER = 2
+"""How often a mesh that does not close is made again, with half the sag and half the angle."""
+
 
 def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
     """The faces of a shape's solids as a mesh on their true surfaces, ready to be sectioned.
@@ -62,11 +65,10 @@ def surface_mesh(shape: TopoDS_Shape) -> SurfaceMesh:
     if box.IsVoid():
         raise KernelError("the part has no face to be sectioned")
     sag = DEFLECTION * box.CornerMin().Distance(box.CornerMax())
-    collector = _collected(shape, sag, ANGLE)
-    mesh = collector.mesh()
+    mesh, faces = _meshed(shape, sag, ANGLE)
     triangles, parameters = critical_points(mesh)
     inside = [
-        _is_inside(collector.faces[mesh.faces[triangle]], u, v)
+        _is_inside(faces[mesh.faces[triangle]], u, v)
         for triangle, (u, v) in zip(triangles, parameters, strict=True)
     ]
     return refined(mesh, triangles[inside], parameters[inside])
@@ -80,12 +82,29 @@ def triangle_mesh(
     `angle` (radians) is the largest turn between neighbours; `faces` picks some by their numbers,
     as they are met, from 0. Raises as `surface_mesh` does.
     """
-    mesh = _collected(shape, sag, angle).mesh()
+    mesh, _ = _meshed(shape, sag, angle)
     a, b, c = mesh.triangles.T
     kept = (a != b) & (b != c) & (c != a)
     if faces is not None:
         kept &= np.isin(mesh.faces, faces)
     return Mesh(mesh.nodes, mesh.triangles[kept])
+
+
+def _meshed(
+    shape: TopoDS_Shape, sag: float, angle: float, finer: int = FINER
+) -> tuple[SurfaceMesh, list[TopoDS_Face]]:
+    """A shape's mesh, and its faces by their numbers.
+
+    Chords of two arcs that meet at a sharp tip may cross; OCCT then leaves the tip out. So a finer
+    mesh is tried before a part is said to be open.
+    """
+    try:
+        collector = _collected(shape, sag, angle)
+        return collector.mesh(), collector.faces
+    except KernelError:
+        if not finer:
+            raise
+    return _meshed(shape, sag / 2, angle / 2, finer - 1)
 
 
 def _collected(shape: TopoDS_Shape, sag: float, angle: float) -> _Collector:

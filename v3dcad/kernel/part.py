@@ -44,7 +44,7 @@ from v3dcad.kernel.shapes import (
 )
 from v3dcad.kernel.union import one_body, overlaps, solids_meet
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section, part_words
-from v3dcad.words import counted
+from v3dcad.words import counted, point_words
 
 MESH_SAG = 0.05
 """Largest distance of `SolidPart.mesh()` from the true surface, mm."""
@@ -205,8 +205,8 @@ def _gap_findings(solid: TopoDS_Shape) -> list[str]:
     at = worst.Value((worst.FirstParameter() + worst.LastParameter()) / 2)
     return [
         f"{counted(loose, 'edge')} may lie off the faces there by up to {gaps.max():.3g} mm, most "
-        f"near ({at.X():.6g}, {at.Y():.6g}, {at.Z():.6g}): contours step across such gaps, and "
-        "where they cross themselves there the loops are cut off"
+        f"near {point_words(at.Coord())}: contours step across such gaps, and where they cross "
+        "themselves there the loops are cut off"
     ]
 
 
