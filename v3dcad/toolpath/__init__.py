@@ -15,7 +15,7 @@ plan        which strokes a layer has, in which order
 travel      ways inside the part
 cooling     short layers printed slower
 bead        the cross-section of a bead
-limits      settings that nozzle, hot end, machine and cells do not allow
+bridged_walls  walls that hang, laid as bridges
 beads       strokes laid as beads, with travels between them
 trace       `trace`: layers to toolpaths
 overlapped  the next layer planned while the last one is laid

@@ -8,12 +8,14 @@ perimeter.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from v3dcad.geometry.loops.reach import far_from
 from v3dcad.geometry.loops.segments import Segments
-from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats, Ints
 from v3dcad.toolpath.overhang import merged
 from v3dcad.toolpath.stroke import Stroke
 
@@ -21,32 +23,52 @@ LEAST = 1.0
 """Widths of a bead: what is shorter than a bead is wide is held from both of its ends."""
 
 
+class Bridged(NamedTuple):
+    """Strokes whose walls are bridges where they hang."""
+
+    strokes: list[Stroke]
+    held: NDArray[np.bool_]
+    """(n,) of all their steps, whether each lies on the layer below with half of its width"""
+    length: float
+    """mm of walls and inner perimeters that are bridges now"""
+
+
 def with_bridged_walls(
     strokes: Sequence[Stroke], below: Segments, width: float, shortest: float
-) -> tuple[list[Stroke], float]:
-    """The strokes, with stretches of walls and inner perimeters that hang as bridges; mm of them.
+) -> Bridged:
+    """The strokes, with stretches of walls and inner perimeters that hang as bridges.
 
     Such a stretch has less than half of its `width` (mm) over the beads `below`, for at least
     `LEAST` widths. It begins and ends at a corner that is nearer than `shortest` (mm). No stroke
     passes a line twice.
     """
-    found, length = list(strokes), 0.0
+    start, stop = (
+        np.concatenate([np.empty((0, 2)), *(stroke.points[ends] for stroke in strokes)])
+        for ends in (slice(None, -1), slice(1, None))
+    )
+    hang = far_from(start, stop, below, width / 2)
+    found, held, length = list(strokes), [np.empty(0, np.bool_)], 0.0
+    first = np.cumsum([0, *(len(stroke.laid) for stroke in strokes)])
+    begins = np.searchsorted(hang.segment, first)
     for number, stroke in enumerate(strokes):
-        chosen = np.flatnonzero(np.isin(stroke.feature, (CELLS, INNER_PERIMETER)))
-        if not len(chosen):
-            continue
-        start, steps = stroke.points[:-1], np.diff(stroke.points, axis=0)
-        long = np.hypot(*steps.T)
-        at = np.concatenate([[0.0], np.cumsum(long)])
-        of, low, high = far_from(start[chosen], stroke.points[1:][chosen], below, width / 2)
-        of = chosen[of]
-        spans = merged(at[of] + low * long[of], at[of] + high * long[of])
-        spans = _snapped(spans[np.diff(spans)[:, 0] >= LEAST * width], at, shortest)
-        spans = spans[np.diff(spans)[:, 0] > 0]
-        if len(spans):
-            found[number] = _cut(stroke, at, spans)
-            length += float(np.diff(spans).sum())
-    return found, length
+        own = slice(begins[number], begins[number + 1])
+        of = hang.segment[own] - first[number]
+        lies = np.ones(len(stroke.laid), np.bool_)
+        lies[of] = False
+        walls = np.isin(stroke.feature[of], (CELLS, INNER_PERIMETER))
+        if walls.any():
+            long = np.hypot(*np.diff(stroke.points, axis=0).T)
+            at, of = np.concatenate([[0.0], np.cumsum(long)]), of[walls]
+            low, high = hang.low[own][walls], hang.high[own][walls]
+            spans = merged(at[of] + low * long[of], at[of] + high * long[of])
+            spans = _snapped(spans[np.diff(spans)[:, 0] >= LEAST * width], at, shortest)
+            spans = spans[np.diff(spans)[:, 0] > 0]
+            if len(spans):
+                found[number], whole = _cut(stroke, at, spans)
+                lies = lies[whole]
+                length += float(np.diff(spans).sum())
+        held.append(lies)
+    return Bridged(found, np.concatenate(held), length)
 
 
 def _snapped(places: Floats, at: Floats, shortest: float) -> Floats:
@@ -56,24 +78,27 @@ def _snapped(places: Floats, at: Floats, shortest: float) -> Floats:
     return np.where(np.abs(places - nearest) < shortest, nearest, places)
 
 
-def _cut(stroke: Stroke, at: Floats, spans: Floats) -> Stroke:
+def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Ints]:
     """A stroke, whose points lie `at` some mm along it, with a bridge on each of the spans (s, 2).
 
-    Steps that a span begins or ends within are cut there.
+    Steps that a span begins or ends within are cut there; beside the stroke comes which step each
+    one was.
     """
-    cuts = np.setdiff1d(spans, at)
+    cuts = spans.ravel()
     step = np.searchsorted(at, cuts, side="right") - 1
+    inside = at[step] != cuts
+    cuts, step = cuts[inside], step[inside]
     share = (cuts - at[step]) / (at[step + 1] - at[step])
     places = stroke.points[step] + share[:, None] * (stroke.points[step + 1] - stroke.points[step])
     along = np.insert(at, step + 1, cuts)
     whole = np.repeat(np.arange(len(stroke.laid)), 1 + np.bincount(step, minlength=len(at) - 1))
     part = np.diff(along) / np.maximum(np.diff(at), 1e-12)[whole]
     middle = (along[:-1] + along[1:]) / 2
-    span = np.maximum(np.searchsorted(spans[:, 0], middle) - 1, 0)
-    bridged = (spans[span, 0] < middle) & (middle < spans[span, 1])
-    return Stroke(
+    bridged = np.searchsorted(spans.ravel(), middle) % 2 == 1
+    cut = Stroke(
         np.insert(stroke.points, step + 1, places, axis=0),
         np.where(bridged, BRIDGE, stroke.feature[whole]).astype(np.int8),
         stroke.laid[whole] * np.minimum(part, 1.0),
         stroke.centre[whole],
     )
+    return cut, whole

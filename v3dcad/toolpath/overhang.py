@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse
 import shapely
+from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
@@ -121,12 +122,14 @@ def hanging(
     area_below: shapely.Geometry,
     width: float,
     height: float,
+    held: NDArray[np.bool_] | None = None,
 ) -> tuple[Hanging, ...]:
     """What of a layer's toolpath hangs over the beads `below`, for each kind of which some does.
 
     The toolpath begins at `before` (3,); its beads and those below are `width` wide, and it is
-    `height` above them; mm. Steps on arcs count as straight: they are a chord tolerance off.
-    Exact but for that, in time linear in the number of beads.
+    `height` above them; mm. Steps that extrude and are `held` (n,) are known not to hang. Steps on
+    arcs count as straight: they are a chord tolerance off. Exact but for that, in time linear in
+    the number of beads.
     """
     kinds = np.full(FEATURES + 1, -1)  # the last one stands for steps of no feature
     for number, features in enumerate(KINDS.values()):
@@ -135,7 +138,11 @@ def hanging(
     steps = np.flatnonzero(kind >= 0)
     ends = np.vstack([before, toolpath.points])[:, :2]
     way = _way(ends[steps], ends[steps + 1], kind[steps], steps)
-    of, low, high = far_from(way.start, way.stop, below, width / 2)
+    asked = np.arange(len(steps))
+    if held is not None:
+        asked = np.flatnonzero(~held[kind[toolpath.kind == EXTRUDE] >= 0])
+    of, low, high = far_from(way.start[asked], way.stop[asked], below, width / 2)
+    of = asked[of]
     if not len(of):
         return ()
     length = way.length[of] * (high - low)

@@ -7,6 +7,7 @@ from itertools import tee
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.loops.links import Linked
@@ -124,15 +125,15 @@ class _Laying:
             )
         before = nozzle.position
         strokes, lines = capped(planned.strokes, plan.spacing)
-        bridged = 0.0
+        held, bridged = None, 0.0
         if self._below is not None and settings.wall_beads == 2:
-            strokes, bridged = with_bridged_walls(
+            strokes, held, bridged = with_bridged_walls(
                 strokes, self._below[1], settings.bead_width, settings.minimum_edge
             )
         for stroke in strokes:
             nozzle.print(stroke)
         toolpath = nozzle.taken(plan.layer.index)
-        hang = self._hanging(toolpath, before, planned)
+        hang = self._hanging(toolpath, before, planned, held)
         if level:
             self._below = plan, lines
         rest = before if nozzle.started else toolpath.points[:1]
@@ -145,7 +146,11 @@ class _Laying:
         )
 
     def _hanging(
-        self, toolpath: Toolpath, before: Floats, planned: _Planned
+        self,
+        toolpath: Toolpath,
+        before: Floats,
+        planned: _Planned,
+        held: NDArray[np.bool_] | None,
     ) -> tuple[Hanging, ...]:
         """What of a layer hangs, if that is asked; `GeometryError` where it is too much."""
         settings = self._settings
@@ -153,6 +158,6 @@ class _Laying:
             return ()
         plan, lines = self._below
         width = settings.bead_width
-        found = hanging(toolpath, before, lines, plan.area, width, planned.height)
+        found = hanging(toolpath, before, lines, plan.area, width, planned.height, held)
         refuse_spans(found, planned.plan.layer.index, planned.level, settings.fail_over)
         return found

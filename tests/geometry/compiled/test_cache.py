@@ -27,8 +27,9 @@ def package(tmp_path: Path) -> Path:
 @pytest.fixture(autouse=True)
 def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A home and a temporary folder of the test's own."""
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "MPLCONFIGDIR"):
+        monkeypatch.setenv(name, "")  # so that it is put back as it was, even if there was none
+        monkeypatch.delenv(name)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     (tmp_path / "temporary").mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
@@ -118,6 +119,7 @@ def test_where_nothing_can_be_written_a_temporary_folder_is_said_once(
     folder = tmp_path / "temporary" / f"v3dcad-{os.getuid()}"
     settle_caches(package)
     said = capsys.readouterr().err
+    assert os.environ["MPLCONFIGDIR"] == str(folder / "matplotlib")
     assert said.count("\n") == 1
     assert str(folder) in said
     assert "NUMBA_CACHE_DIR" in said

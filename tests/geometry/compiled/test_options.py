@@ -24,23 +24,22 @@ def test_an_inner_function_has_its_one_signature_and_is_not_loaded_where_its_cal
     assert said_twice(SOURCE, SHOW) == ["1.5 [(float64,)]\n", "1.5 []\n"]
 
 
-AT_ONCE = """
-import threading, time, halves
-from numba.core.compiler_lock import global_compiler_lock
-
-found = []
-threads = [threading.Thread(target=lambda: found.append(halves.quarter(6))) for _ in range(3)]
-with global_compiler_lock:
-    for thread in threads:
-        thread.start()
-    time.sleep(0.3)  # all of them have seen by now that it is not compiled
-for thread in threads:
-    thread.join()
-print(found)
+THREADS = """
+import sys, threading
+import halves
+sys.setswitchinterval(1e-6)
+started, found = threading.Barrier(4), []
+def ask():
+    started.wait()
+    found.append(halves.quarter(6))
+threads = [threading.Thread(target=ask) for _ in range(4)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+print(found, len(halves.quarter.overloads))
 """
 
 
-def test_threads_that_need_a_function_at_once_get_it(
+def test_threads_that_call_a_function_first_at_once_compile_it_once(
     said_twice: Callable[[str, str], list[str]],
 ) -> None:
-    assert said_twice(SOURCE, AT_ONCE) == ["[1.5, 1.5, 1.5]\n"] * 2
+    assert said_twice(SOURCE, THREADS) == ["[1.5, 1.5, 1.5, 1.5] 1\n"] * 2

@@ -41,15 +41,18 @@ def settle_caches(package: Path) -> None:
     """Have numba keep what it compiles of a package, and nothing of its older sources.
 
     Where numba finds no place (a read-only install, and no home), a folder in the system's
-    temporary folder becomes it, which is said once on stderr. To be called before anything is
-    compiled.
+    temporary folder becomes it, which is said once on stderr. Matplotlib, which would find no place
+    either and say so each time, then keeps its list of fonts there, too. To be called before
+    anything is compiled.
     """
     sources = [
         source for name in COMPILED_FOLDERS for source in sorted((package / name).rglob("*.py"))
     ]
     places = [_place(source) for source in sources]
     if None in places:
-        os.environ[VARIABLE] = str(_temporary_folder())  # for child processes too
+        folder = _temporary_folder()
+        os.environ[VARIABLE] = str(folder)  # for child processes too
+        os.environ.setdefault("MPLCONFIGDIR", str(folder / "matplotlib"))
         config.reload_config()
         places = [_place(source) for source in sources]
     _forget_stale(sources, sorted({place for place in places if place}))

@@ -73,13 +73,13 @@ def compiled(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
 def compile_now(function: Any) -> None:
     """Compile a function that `compiled` decorates, or take it from numba's cache.
 
-    Under numba's own lock: a thread that comes while another compiles it finds it compiled.
+    Where several threads ask at once, one does it, and the others wait.
     """
     with global_compiler_lock:
         if not function.overloads:
             function.compile(signature_of(function.py_func))
             function.disable_compile()
-            vars(function).pop("_compile_for_args", None)  # what does not fit is now an error
+            vars(function).pop("_compile_for_args", None)  # now what does not fit is an error
 
 
 def called_by_python(value: object) -> bool:
