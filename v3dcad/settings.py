@@ -490,7 +490,7 @@ class PrintSettings(Checked):
     )
     bridge_speed: float = setting(
         25.0,
-        "Speed while extruding solid layers over air and cells.",
+        "Speed over air and cells: of solid layers, and of walls that hang.",
         unit="mm/s",
         above=0,
         most=2000,
