@@ -121,13 +121,14 @@ def main() -> None:
     print("|---|" + "---|" * (4 + len(VIEWS)))
     drawing = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
-        chromium = playwright.chromium.launch(
-            executable_path=shutil.which("chromium"), args=drawing
-        )
         for name in names:
+            # Each has a browser of its own, from which no process goes while it is measured.
+            chromium = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=drawing
+            )
             row = measure(name, Path(folder) / "page.html", chromium)
             print(f"| {' | '.join(row)} |", flush=True)
-        chromium.close()
+            chromium.close()
 
 
 if __name__ == "__main__":

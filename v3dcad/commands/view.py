@@ -52,7 +52,9 @@ def view(
     neighbour: Annotated[int | None, typer.Option(help="The cell beside it.")] = None,
     png: PictureFile = None,
     svg: PictureFile = None,
-    ids: Annotated[bool, typer.Option("--ids", help="Write each cell's number.")] = False,
+    ids: Annotated[
+        bool, typer.Option("--ids", help="Write each cell's number into pictures.")
+    ] = False,
     html: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the page for the browser here.")
     ] = None,
