@@ -14,13 +14,24 @@ from v3dcad.toolpath.graph import PathGraph
 
 MITRE_LIMIT = 3.0
 """Corners sharper than this many distances are cut off, as slicers do."""
+ONE = 1e-9
+"""mm: corners nearer to each other are one."""
 
 
 def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
     """What of an area lies deeper than `distance` (mm) inside it; negative: the area grown."""
     if distance == 0:
         return area
-    return area.buffer(-distance, join_style="mitre", mitre_limit=MITRE_LIMIT)
+    try:
+        with np.errstate(divide="raise", invalid="raise"):
+            return _grown(area, -distance)
+    except FloatingPointError:  # GEOS divides by the distance of two corners, and cuts them off
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return _grown(shapely.set_precision(area, ONE), -distance)
+
+
+def _grown(area: shapely.Geometry, distance: float) -> shapely.Geometry:
+    return area.buffer(distance, join_style="mitre", mitre_limit=MITRE_LIMIT)
 
 
 def opened(area: shapely.Geometry, radius: float) -> shapely.Geometry:
