@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -327,14 +328,29 @@ def test_areas_agree_with_occts_own_section(name: str):
         assert exact_area(own) == pytest.approx(sum(map(ring_area, occts.rings)), rel=2e-3)
 
 
-def test_executors_change_nothing():
+@pytest.fixture
+def processes() -> Iterator[Executor]:
+    """One more process; skipped where the system has no semaphores for it."""
+    try:
+        pool = ProcessPoolExecutor(1, get_context("spawn"))
+    except OSError as error:
+        pytest.skip(f"needs shared memory ({error}): mount -t tmpfs -o mode=1777 tmpfs /dev/shm")
+    with pool:
+        yield pool
+
+
+@pytest.fixture
+def threads() -> Iterator[Executor]:
+    with ThreadPoolExecutor(2) as pool:
+        yield pool
+
+
+@pytest.mark.parametrize("kind", ["threads", "processes"])
+def test_an_executor_changes_nothing(kind: str, request: pytest.FixtureRequest):
     mesh = surface_mesh(CURVED["tilted torus"]())
     heights = middles(mesh, 200)
-    alone = list(section_solids(mesh, heights))
-    with ThreadPoolExecutor(2) as threads:
-        assert_same(alone, list(section_solids(mesh, heights, executor=threads)))
-    with ProcessPoolExecutor(1, get_context("spawn")) as processes:
-        assert_same(alone, list(section_solids(mesh, heights, executor=processes)))
+    found = section_solids(mesh, heights, executor=request.getfixturevalue(kind))
+    assert_same(list(section_solids(mesh, heights)), list(found))
 
 
 def assert_same(one: list[Section], other: list[Section]) -> None:
