@@ -393,6 +393,43 @@ def test_signals_leave_nothing_behind(
     assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"
 
 
+HALF_MADE = """
+import signal, time
+from v3dcad import cli
+
+class Half:
+    def __init__(self):
+        print("begun", flush=True)
+        time.sleep(100)
+        self.whole = True
+    def __del__(self):
+        assert self.whole
+
+@cli.app.command()
+def make() -> None:
+    Half()
+
+signal.signal(signal.{number}, signal.{usual})
+cli.main()
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_what_a_signal_leaves_half_made_goes_untold(number: str, code: int) -> None:
+    import signal
+
+    usual = "default_int_handler" if number == "SIGINT" else "SIG_DFL"
+    child = subprocess.Popen(
+        [sys.executable, "-c", HALF_MADE.format(number=number, usual=usual), "make"],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
+    )  # fmt: skip
+    assert child.stdout is not None
+    assert child.stdout.readline() == "begun\n"
+    child.send_signal(getattr(signal, number))
+    _, said = child.communicate(timeout=100)
+    assert (child.returncode, said) == (code, "")
+
+
 def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:
     names = ("a.ont", "a.step", "a.3mf", "a.stl", "a.brep", "a.svg")
     ont, step, threemf, stl, brep, svg = (tmp_path / name for name in names)

@@ -61,9 +61,14 @@ def main() -> None:
     SIGTERM and SIGHUP end it as Ctrl-C does, so that no half-written file is left.
     """
     gc.set_threshold(FEW)
-    for name in ("SIGTERM", "SIGHUP"):
+    usual = {
+        "SIGINT": signal.default_int_handler,
+        "SIGTERM": signal.SIG_DFL,
+        "SIGHUP": signal.SIG_DFL,
+    }
+    for name, handler in usual.items():
         number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+        if number is not None and signal.getsignal(number) == handler:
             signal.signal(number, _end)
     try:
         sys.exit(app(prog_name="v3dcad", standalone_mode=False))
@@ -80,6 +85,11 @@ def main() -> None:
 
 
 def _end(number: int, _: object) -> NoReturn:
+    # What a signal leaves half made may fail to be taken apart, as in the compiler: Python would
+    # tell of that.
+    sys.unraisablehook = lambda _: None
+    if number == signal.SIGINT:
+        raise KeyboardInterrupt
     sys.exit(128 + number)
 
 
