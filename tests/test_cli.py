@@ -364,6 +364,10 @@ def test_without_libgl_the_remedy_is_named(
     assert "apt-get install -y libgl1" in said
 
 
+USUAL = {"SIGINT": "default_int_handler", "SIGTERM": "SIG_DFL", "SIGHUP": "SIG_DFL"}
+"""What becomes of signals in a shell. pytest-xdist and nohup ignore them; children inherit that."""
+
+
 @pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
 def test_signals_leave_nothing_behind(
     number: str, code: int, samples: Path, tmp_path: Path
@@ -371,10 +375,8 @@ def test_signals_leave_nothing_behind(
     import signal
     import time
 
-    # pytest-xdist and nohup ignore signals, and children inherit that.
-    usual = "default_int_handler" if number == "SIGINT" else "SIG_DFL"
     program = (
-        f"import signal; signal.signal(signal.{number}, signal.{usual}); "
+        f"import signal; signal.signal(signal.{number}, signal.{USUAL[number]}); "
         "from v3dcad.cli import main; main()"
     )
     child = subprocess.Popen(
@@ -418,9 +420,8 @@ cli.main()
 def test_what_a_signal_leaves_half_made_goes_untold(number: str, code: int) -> None:
     import signal
 
-    usual = "default_int_handler" if number == "SIGINT" else "SIG_DFL"
     child = subprocess.Popen(
-        [sys.executable, "-c", HALF_MADE.format(number=number, usual=usual), "make"],
+        [sys.executable, "-c", HALF_MADE.format(number=number, usual=USUAL[number]), "make"],
         stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
     )  # fmt: skip
     assert child.stdout is not None

@@ -11,10 +11,10 @@ from v3dcad.geometry.loops.reach import far_from
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import BRIDGE, CELLS, EXTRUDE, INNER_PERIMETER, PERIMETER, Floats, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.bridged_walls import LEAST, with_bridged_walls
+from v3dcad.toolpath.bridged_walls import LEAST, Bridged, with_bridged_walls
 from v3dcad.toolpath.overhang import hanging
 from v3dcad.toolpath.report import LayerReport
-from v3dcad.toolpath.stroke import Stroke
+from v3dcad.toolpath.stroke import Stroke, capped
 from v3dcad.toolpath.trace import trace
 
 W = 0.45
@@ -25,6 +25,10 @@ def stroke(points: Floats, *features: int) -> Stroke:
     steps = np.diff(points, axis=0)
     feature = np.resize(np.array(features, np.int8), len(steps))
     return Stroke(points, feature, np.hypot(*steps.T), np.full(steps.shape, np.nan))
+
+
+def bridged(strokes: list[Stroke], below: Segments) -> Bridged:
+    return with_bridged_walls(strokes, capped(strokes, W)[1], below, W, SHORTEST)
 
 
 def bars(*places: float) -> Segments:
@@ -39,16 +43,16 @@ def test_a_line_from_bar_to_bar_is_a_bridge_where_the_gap_is_wide(gap: float, fe
     line = stroke(np.array([[0.0, 0.3], [1.0 + (1 + gap) * W, 0.3]]), feature)
     line = line._replace(laid=line.laid * 0.8)
     over = bars(0.0, 0.5, 1.0, 1.0 + (1 + gap) * W)
-    (found,), held, length = with_bridged_walls([line], over, W, SHORTEST)
+    (found,), held, length = bridged([line], over)
     assert found.laid.sum() == pytest.approx(line.laid.sum(), rel=1e-12)
     far = far_from(found.points[:-1], found.points[1:], over, W / 2)
     assert not set(np.flatnonzero(held)) & set(far.segment.tolist())
-    bridged = found.points[np.flatnonzero(found.feature == BRIDGE)[:, None] + [0, 1], 0]
+    hung = found.points[np.flatnonzero(found.feature == BRIDGE)[:, None] + [0, 1], 0]
     if gap < LEAST or feature == PERIMETER:
         assert found is line
         assert length == 0
         return
-    assert bridged == pytest.approx(np.array([[1 + W / 2, 1 + W / 2 + gap * W]]))
+    assert hung == pytest.approx(np.array([[1 + W / 2, 1 + W / 2 + gap * W]]))
     assert length == pytest.approx(gap * W)
     assert found.laid[found.feature == BRIDGE].sum() == pytest.approx(0.8 * length)
     assert found.feature.tolist() == [feature, BRIDGE, feature]
@@ -59,7 +63,7 @@ def test_a_bridge_begins_at_a_corner_that_is_near() -> None:
     """So that no step is shorter than the corner is away."""
     corner = 1.0 + W / 2 + 0.5 * SHORTEST
     line = stroke(np.array([[1.0, 0], [corner, 0], [corner + 4, 0.0], [9.0, 0]]), CELLS)
-    (found,), _, _ = with_bridged_walls([line], bars(1.0, corner + 4 + 2 * SHORTEST), W, SHORTEST)
+    (found,), _, _ = bridged([line], bars(1.0, corner + 4 + 2 * SHORTEST))
     assert found.feature.tolist()[:2] == [CELLS, BRIDGE]
     assert np.hypot(*np.diff(found.points, axis=0).T).min() > 0.5 * SHORTEST
 
@@ -67,7 +71,7 @@ def test_a_bridge_begins_at_a_corner_that_is_near() -> None:
 def test_where_all_rests_nothing_changes() -> None:
     line = stroke(np.array([[0.0, 0], [3.0, 0], [3.0, 2.0]]), CELLS)
     below = Segments.of(line.points[:-1], line.points[1:], W)
-    (found,), held, length = with_bridged_walls([line], below, W, SHORTEST)
+    (found,), held, length = bridged([line], below)
     assert found is line
     assert held.all()
     assert length == 0

@@ -34,19 +34,15 @@ class Bridged(NamedTuple):
 
 
 def with_bridged_walls(
-    strokes: Sequence[Stroke], below: Segments, width: float, shortest: float
+    strokes: Sequence[Stroke], lines: Segments, below: Segments, width: float, shortest: float
 ) -> Bridged:
     """The strokes, with stretches of walls and inner perimeters that hang as bridges.
 
     Such a stretch has less than half of its `width` (mm) over the beads `below`, for at least
     `LEAST` widths. It begins and ends at a corner that is nearer than `shortest` (mm). No stroke
-    passes a line twice.
+    passes a line twice: `lines` are their steps, as `capped` gives them.
     """
-    start, stop = (
-        np.concatenate([np.empty((0, 2)), *(stroke.points[ends] for stroke in strokes)])
-        for ends in (slice(None, -1), slice(1, None))
-    )
-    hang = far_from(start, stop, below, width / 2)
+    hang = far_from(lines.ends[:, :2], lines.ends[:, 2:], below, width / 2)
     found, held, length = list(strokes), [np.empty(0, np.bool_)], 0.0
     first = np.cumsum([0, *(len(stroke.laid) for stroke in strokes)])
     begins = np.searchsorted(hang.segment, first)
@@ -84,17 +80,17 @@ def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Ints]:
     Steps that a span begins or ends within are cut there; beside the stroke comes which step each
     one was.
     """
-    cuts = spans.ravel()
-    step = np.searchsorted(at, cuts, side="right") - 1
-    inside = at[step] != cuts
-    cuts, step = cuts[inside], step[inside]
+    edges = spans.ravel()
+    step = np.searchsorted(at, edges, side="right") - 1
+    inside = at[step] != edges
+    cuts, step = edges[inside], step[inside]
     share = (cuts - at[step]) / (at[step + 1] - at[step])
     places = stroke.points[step] + share[:, None] * (stroke.points[step + 1] - stroke.points[step])
     along = np.insert(at, step + 1, cuts)
     whole = np.repeat(np.arange(len(stroke.laid)), 1 + np.bincount(step, minlength=len(at) - 1))
     part = np.diff(along) / np.maximum(np.diff(at), 1e-12)[whole]
     middle = (along[:-1] + along[1:]) / 2
-    bridged = np.searchsorted(spans.ravel(), middle) % 2 == 1
+    bridged = np.searchsorted(edges, middle) % 2 == 1
     cut = Stroke(
         np.insert(stroke.points, step + 1, places, axis=0),
         np.where(bridged, BRIDGE, stroke.feature[whole]).astype(np.int8),

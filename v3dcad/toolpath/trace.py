@@ -128,7 +128,7 @@ class _Laying:
         held, bridged = None, 0.0
         if self._below is not None and settings.wall_beads == 2:
             strokes, held, bridged = with_bridged_walls(
-                strokes, self._below[1], settings.bead_width, settings.minimum_edge
+                strokes, lines, self._below[1], settings.bead_width, settings.minimum_edge
             )
         for stroke in strokes:
             nozzle.print(stroke)

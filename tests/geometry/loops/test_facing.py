@@ -38,7 +38,7 @@ def place(loops: Loops, loop: int, along: float) -> shapely.Geometry:
 @given(st.integers(0, 10**6), st.integers(1, 40))
 def test_what_faces_is_one_spacing_away_and_nothing_is_missed(seed: int, count: int) -> None:
     loops = loops_of(seed, count)
-    found = facing(loops, S)
+    found = facing(loops, loops.measured(), S)
     for (one, other), ends, beyond in zip(found.loops, found.along, found.beyond, strict=True):
         assert one < other
         middle = ends.mean()

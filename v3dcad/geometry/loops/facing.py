@@ -16,7 +16,7 @@ from v3dcad.geometry.compiled.arrays import (
     IntRows,
 )
 from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
-from v3dcad.geometry.loops.loops import Loops
+from v3dcad.geometry.loops.loops import Loops, Measured
 from v3dcad.geometry.loops.segments import Segments, beside
 from v3dcad.model import Floats, Ints, Value
 
@@ -42,12 +42,11 @@ class Facing(Value):
     """(n, 2) the unit vector along it"""
 
 
-def facing(loops: Loops, spacing: float) -> Facing:
+def facing(loops: Loops, measured: Measured, spacing: float) -> Facing:
     """All stretches on which two loops face each other about one bead `spacing` (mm) apart."""
     room, none = 4 * len(loops.points), np.empty((0, 2))
     if not room:
         return Facing(np.empty((0, 2), np.int64), none, np.empty(0), none, none)
-    at = loops.measured().at
     loop = np.repeat(np.arange(len(loops.owner)), np.diff(loops.first))
     segments = Segments.of(loops.points, loops.points[loops.after()], (1 + SLACK) * spacing)
     near = np.empty(len(loop) + 1, np.int64)
@@ -55,7 +54,16 @@ def facing(loops: Loops, spacing: float) -> Facing:
         pairs, along, beyond = np.empty((room, 2), np.int64), np.empty((room, 2)), np.empty(room)
         lines = np.empty((room, 4))
         count = _faced(
-            segments, loop, at, spacing, np.full(len(loop), -1), near, pairs, along, beyond, lines
+            segments,
+            loop,
+            measured.at,
+            spacing,
+            np.full(len(loop), -1),
+            near,
+            pairs,
+            along,
+            beyond,
+            lines,
         )
         if count <= room:
             middle, ahead = lines[:count, :2], lines[:count, 2:]

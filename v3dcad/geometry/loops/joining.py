@@ -49,7 +49,8 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     which end goes by the golden ratio from layer to layer, so that links seldom lie above others.
     Corners nearer than `shortest` (mm) to a cut are left out.
     """
-    found, measured = facing(loops, spacing), loops.measured()
+    measured = loops.measured()
+    found = facing(loops, measured, spacing)
     stretch = found.along[:, 1] - found.along[:, 0]
     middle = found.along.mean(axis=1)
     owners = np.sort(loops.owner[found.loops], axis=1)
