@@ -50,6 +50,7 @@ PRINT = (
     "v3dcad.geometry.loops.region",
     "v3dcad.geometry.loops.curves",
     "v3dcad.geometry.loops.joining",
+    "v3dcad.geometry.loops.corners",
     "v3dcad.geometry.loops.coverage",
     "v3dcad.geometry.print_time",
     "v3dcad.formats.gcode.lines",
