@@ -45,7 +45,7 @@ def test_a_line_from_bar_to_bar_is_a_bridge_where_the_gap_is_wide(gap: float, fe
     over = bars(0.0, 0.5, 1.0, 1.0 + (1 + gap) * W)
     (found,), held, length = bridged([line], over)
     assert found.laid.sum() == pytest.approx(line.laid.sum(), rel=1e-12)
-    far = far_from(found.points[:-1], found.points[1:], over, W / 2)
+    far = far_from(np.hstack([found.points[:-1], found.points[1:]]), over, W / 2)
     assert not set(np.flatnonzero(held)) & set(far.segment.tolist())
     hung = found.points[np.flatnonzero(found.feature == BRIDGE)[:, None] + [0, 1], 0]
     if gap < LEAST or feature == PERIMETER:

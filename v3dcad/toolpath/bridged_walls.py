@@ -42,7 +42,7 @@ def with_bridged_walls(
     `LEAST` widths. It begins and ends at a corner that is nearer than `shortest` (mm). No stroke
     passes a line twice: `lines` are their steps, as `capped` gives them.
     """
-    hang = far_from(lines.ends[:, :2], lines.ends[:, 2:], below, width / 2)
+    hang = far_from(lines.ends, below, width / 2)
     found, held, length = list(strokes), [np.empty(0, np.bool_)], 0.0
     first = np.cumsum([0, *(len(stroke.laid) for stroke in strokes)])
     begins = np.searchsorted(hang.segment, first)
@@ -51,9 +51,10 @@ def with_bridged_walls(
         of = hang.segment[own] - first[number]
         lies = np.ones(len(stroke.laid), np.bool_)
         lies[of] = False
-        walls = np.isin(stroke.feature[of], (CELLS, INNER_PERIMETER))
+        walls = (stroke.feature[of] == CELLS) | (stroke.feature[of] == INNER_PERIMETER)
         if walls.any():
-            long = np.hypot(*np.diff(stroke.points, axis=0).T)
+            x, y = np.diff(stroke.points, axis=0).T
+            long = np.sqrt(x * x + y * y)
             at, of = np.concatenate([[0.0], np.cumsum(long)]), of[walls]
             low, high = hang.low[own][walls], hang.high[own][walls]
             spans = merged(at[of] + low * long[of], at[of] + high * long[of])
@@ -85,16 +86,17 @@ def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Ints]:
     inside = at[step] != edges
     cuts, step = edges[inside], step[inside]
     share = (cuts - at[step]) / (at[step + 1] - at[step])
-    places = stroke.points[step] + share[:, None] * (stroke.points[step + 1] - stroke.points[step])
-    along = np.insert(at, step + 1, cuts)
-    whole = np.repeat(np.arange(len(stroke.laid)), 1 + np.bincount(step, minlength=len(at) - 1))
-    part = np.diff(along) / np.maximum(np.diff(at), 1e-12)[whole]
-    middle = (along[:-1] + along[1:]) / 2
-    bridged = np.searchsorted(edges, middle) % 2 == 1
-    cut = Stroke(
-        np.insert(stroke.points, step + 1, places, axis=0),
-        np.where(bridged, BRIDGE, stroke.feature[whole]).astype(np.int8),
-        stroke.laid[whole] * np.minimum(part, 1.0),
-        stroke.centre[whole],
-    )
-    return cut, whole
+    # Each corner, and after it the cuts of the step that it begins.
+    corner = np.repeat(np.arange(len(at)), 1 + np.bincount(step, minlength=len(at)))
+    new = step + 1 + np.arange(len(step))
+    along, points, whole = at[corner], stroke.points[corner], corner[:-1]
+    along[new] = cuts
+    points[new] += share[:, None] * (stroke.points[step + 1] - stroke.points[step])
+    laid = stroke.laid[whole]
+    parts = np.union1d(new - 1, new)
+    laid[parts] *= np.diff(along)[parts] / np.diff(at)[whole[parts]]
+    passed = np.cumsum(np.bincount(np.searchsorted(along, edges), minlength=len(along)))
+    bridged = passed[:-1] % 2 == 1  # between the first and the second edge, and so on
+    feature = stroke.feature[whole]
+    feature[bridged] = BRIDGE
+    return Stroke(points, feature, laid, stroke.centre[whole]), whole

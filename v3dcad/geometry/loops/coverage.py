@@ -195,23 +195,29 @@ def _measure(
             bx, by = ends[one, 0] + high * along_x, ends[one, 1] + high * along_y
             visit += 1
             found = beside(segments, ax, ay, bx, by, width, stamp, visit, near)
-            count, shares = 0, crowded[one]
+            shares = crowded[one]
+            for k in range(found):
+                if shares:
+                    break
+                other = near[k]
+                if other == one or not _meets(segments, run, passed, length, width, one, other):
+                    continue
+                cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+                low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
+                shares = low <= high
+            if not shares:
+                continue
+            count = 0
             for k in range(found):
                 other = near[k]
                 if other == one:
                     continue
                 cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
                 low, high = within(ax, ay, bx, by, cx, cy, dx, dy, TOUCHING * width)
-                if low > high:
-                    continue
-                near[count] = other
-                spans[count, 0], spans[count, 1] = low, high
-                count += 1
-                if not shares and _meets(segments, run, passed, length, width, one, other):
-                    low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
-                    shares = low <= high
-            if not shares:
-                continue
+                if low <= high:
+                    near[count] = other
+                    spans[count, 0], spans[count, 1] = low, high
+                    count += 1
             long = length[one] / pieces
             area = 0.0
             for place in range(places):

@@ -26,13 +26,13 @@ from v3dcad.model import Floats, Ints
 SHORTEST = 1e-7
 """mm: a shorter chain is none."""
 GRAZING = 1e-6
-"""mm: contours so near to a cell's box are looked at, and points so near to each other are one."""
+"""mm: contours so near to a cell's box are looked at."""
 NUDGE = np.array([3.1, 1.7]) * 1e-11
 """mm by which contours are moved, so that none lies exactly along a cell's side or ends on it: such
 ties would have to be told apart, and rounded numbers cannot (Edelsbrunner and Mücke, "Simulation
 of simplicity", 1990, move points by amounts too small to compute with)."""
 NEARLY = 1e-4
-"""The share of the way from a cell's corner to its middle at which the corner is looked at."""
+"""The share of the way from a cell's corner to the next but one at which the corner is looked at."""
 
 
 class Region:
@@ -51,15 +51,14 @@ class Region:
         """What convex cells have of the area: the loops around it, each owned by a cell's number.
 
         Cell c has the corners first[c] … first[c + 1], counter-clockwise. The area is on the left
-        of each loop. Loops shorter than `least_length` (mm), or around less than `least_area`
-        (mm²), are left out.
+        of each loop; two of its points may be the same but for rounding. Loops shorter than
+        `least_length` (mm), or around less than `least_area` (mm²), are left out.
         """
-        size = np.diff(first)
         if not len(self._loops.points) or not len(corners):
             return Loops.of([], [])
-        begins = np.minimum(first[:-1], len(corners) - 1)
-        middle = np.add.reduceat(corners, begins) / np.maximum(size, 1)[:, None]
-        seen = corners[begins] + NEARLY * (middle - corners[begins])
+        begins = np.minimum(first[:-1], len(corners) - 3)
+        seen = corners[begins]
+        seen += NEARLY * (corners[begins + 2] - seen)
         inside = shapely.contains_xy(self.area, seen)
         rooms = np.array([2 * len(corners) + 4 * len(self._loops.points), len(first) + 64])
         while True:
@@ -70,7 +69,7 @@ class Region:
                 self._after, self._segments, least_length, least_area, points, starts, owner,
             )  # fmt: skip
             if used <= rooms[0] and count <= rooms[1]:
-                return Loops(points[:used], starts[: count + 1], owner[:count]).thinned(GRAZING)
+                return Loops(points[:used], starts[: count + 1], owner[:count])
             rooms = np.maximum(2 * rooms, [used, count])
 
 
