@@ -11,10 +11,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from v3dcad.geometry.loops.reach import far_from
-from v3dcad.geometry.loops.segments import Segments
+from v3dcad.geometry.loops.reach import Stretches
 from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats, Ints
 from v3dcad.toolpath.overhang import merged
 from v3dcad.toolpath.stroke import Stroke
@@ -27,45 +25,44 @@ class Bridged(NamedTuple):
     """Strokes whose walls are bridges where they hang."""
 
     strokes: list[Stroke]
-    held: NDArray[np.bool_]
-    """(n,) of all their steps, whether each lies on the layer below with half of its width"""
+    hang: Stretches
+    """of all their steps"""
     length: float
     """mm of walls and inner perimeters that are bridges now"""
 
 
 def with_bridged_walls(
-    strokes: Sequence[Stroke], lines: Segments, below: Segments, width: float, shortest: float
+    strokes: Sequence[Stroke], hang: Stretches, width: float, shortest: float
 ) -> Bridged:
     """The strokes, with stretches of walls and inner perimeters that hang as bridges.
 
-    Such a stretch has less than half of its `width` (mm) over the beads `below`, for at least
-    `LEAST` widths. It begins and ends at a corner that is nearer than `shortest` (mm). No stroke
-    passes a line twice: `lines` are their steps, as `capped` gives them.
+    Such a stretch has less than half of its `width` (mm) over the beads below, as told by those of
+    all steps that `hang`, for at least `LEAST` widths. It begins and ends at a corner that is
+    nearer than `shortest` (mm).
     """
-    hang = far_from(lines.ends, below, width / 2)
-    found, held, length = list(strokes), [np.empty(0, np.bool_)], 0.0
+    found, stretches, length, steps = [], [], 0.0, 0
     first = np.cumsum([0, *(len(stroke.laid) for stroke in strokes)])
-    begins = np.searchsorted(hang.segment, first)
+    begins = np.searchsorted(hang.segment, first).tolist()
     for number, stroke in enumerate(strokes):
         own = slice(begins[number], begins[number + 1])
-        of = hang.segment[own] - first[number]
-        lies = np.ones(len(stroke.laid), np.bool_)
-        lies[of] = False
+        of, low, high = hang.segment[own] - first[number], hang.low[own], hang.high[own]
         walls = (stroke.feature[of] == CELLS) | (stroke.feature[of] == INNER_PERIMETER)
         if walls.any():
             x, y = np.diff(stroke.points, axis=0).T
             long = np.sqrt(x * x + y * y)
-            at, of = np.concatenate([[0.0], np.cumsum(long)]), of[walls]
-            low, high = hang.low[own][walls], hang.high[own][walls]
-            spans = merged(at[of] + low * long[of], at[of] + high * long[of])
+            at = np.concatenate([[0.0], np.cumsum(long)])
+            low, high = at[of] + low * long[of], at[of] + high * long[of]
+            spans = merged(low[walls], high[walls])
             spans = _snapped(spans[np.diff(spans)[:, 0] >= LEAST * width], at, shortest)
             spans = spans[np.diff(spans)[:, 0] > 0]
+            length += float(np.diff(spans).sum())
             if len(spans):
-                found[number], whole = _cut(stroke, at, spans)
-                lies = lies[whole]
-                length += float(np.diff(spans).sum())
-        held.append(lies)
-    return Bridged(found, np.concatenate(held), length)
+                stroke, at = _cut(stroke, at, spans)
+            of, low, high = _parted(low, high, at)
+        found.append(stroke)
+        stretches.append((steps + of, low, high))
+        steps += len(stroke.laid)
+    return Bridged(found, Stretches(*map(np.concatenate, zip(*stretches, strict=True))), length)
 
 
 def _snapped(places: Floats, at: Floats, shortest: float) -> Floats:
@@ -75,11 +72,11 @@ def _snapped(places: Floats, at: Floats, shortest: float) -> Floats:
     return np.where(np.abs(places - nearest) < shortest, nearest, places)
 
 
-def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Ints]:
+def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Floats]:
     """A stroke, whose points lie `at` some mm along it, with a bridge on each of the spans (s, 2).
 
-    Steps that a span begins or ends within are cut there; beside the stroke comes which step each
-    one was.
+    Steps that a span begins or ends within are cut there; beside the stroke comes where its points
+    lie then.
     """
     edges = spans.ravel()
     step = np.searchsorted(at, edges, side="right") - 1
@@ -96,7 +93,23 @@ def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Ints]:
     parts = np.union1d(new - 1, new)
     laid[parts] *= np.diff(along)[parts] / np.diff(at)[whole[parts]]
     passed = np.cumsum(np.bincount(np.searchsorted(along, edges), minlength=len(along)))
-    bridged = passed[:-1] % 2 == 1  # between the first and the second edge, and so on
     feature = stroke.feature[whole]
-    feature[bridged] = BRIDGE
-    return Stroke(points, feature, laid, stroke.centre[whole]), whole
+    feature[passed[:-1] % 2 == 1] = BRIDGE  # between the first edge and the second, and so on
+    return Stroke(points, feature, laid, stroke.centre[whole]), along
+
+
+def _parted(low: Floats, high: Floats, at: Floats) -> tuple[Ints, Floats, Floats]:
+    """Stretches `low` … `high` (n,), mm, of a stroke whose points lie `at` some mm: by its steps.
+
+    The number of each one's step, and where on that it begins and ends, in shares of it.
+    """
+    first = np.searchsorted(at, low, side="right") - 1
+    count = np.maximum(np.searchsorted(at, high) - first, 1)
+    begins = np.cumsum(count) - count
+    step = np.repeat(first - begins, count) + np.arange(count.sum())
+    start, size = at[step], np.maximum(at[step + 1] - at[step], 1e-300)
+    return (
+        step,
+        np.maximum((np.repeat(low, count) - start) / size, 0.0),
+        np.minimum((np.repeat(high, count) - start) / size, 1.0),
+    )

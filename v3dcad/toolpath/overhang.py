@@ -16,11 +16,10 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.loops.reach import far_from
+from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
     BRIDGE,
@@ -126,21 +125,22 @@ def hanging(
     area_below: shapely.Geometry,
     width: float,
     height: float,
-    held: NDArray[np.bool_] | None = None,
+    hang: Stretches | None = None,
 ) -> tuple[Hanging, ...]:
     """What of a layer's toolpath hangs over the beads `below`, for each kind of which some does.
 
     The toolpath begins at `before` (3,); its beads and those below are `width` wide, and it is
-    `height` above them; mm. Steps that extrude and are `held` (n,) are known not to hang. Steps on
-    arcs count as straight: they are a chord tolerance off. Exact but for that, in time linear in
-    the number of beads.
+    `height` above them; mm. Which stretches of its steps that extrude `hang` may be known already.
+    Steps on arcs count as straight: they are a chord tolerance off. Exact but for that, in time
+    linear in the number of beads.
     """
     extruding = toolpath.kind == EXTRUDE
     way = _way(before, toolpath.points, np.where(extruding, KIND_OF[toolpath.feature], MOVE))
-    asked = way.kind != MOVE
-    if held is not None:
-        asked[extruding] &= ~held
-    of, low, high = far_from(way.ends, below, width / 2, asked)
+    if hang is None:
+        of, low, high = far_from(way.ends, below, width / 2, way.kind != MOVE)
+    else:
+        of = np.flatnonzero(extruding)[hang.segment]
+        of, low, high = (part[way.kind[of] != MOVE] for part in (of, hang.low, hang.high))
     if not len(of):
         return ()
     kind, length = way.kind[of], way.length[of] * (high - low)

@@ -29,8 +29,8 @@ class Linked:
     def known(self, walls: Ints) -> tuple[Ints, Floats, Ints]:
         """What is known of walls (n,), for `note`, too.
 
-        Layers (n,) since each had a link, at most `RESTED`; where it stays (n, 2), mm, NaN where none
-        does; and until which layer (n,) its link stays then, or a new one would.
+        Layers (n,) since each had a link, at most `RESTED`; where it stays (n, 2), mm, NaN where
+        none does; and until which layer (n,) its link stays then, or a new one would.
         """
         rest, places = np.full(len(walls), RESTED), np.full((len(walls), 2), np.nan)
         until = np.full(len(walls), self.layer + LASTS)

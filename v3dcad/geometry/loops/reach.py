@@ -43,10 +43,10 @@ class Stretches(NamedTuple):
 def far_from(
     ends: Floats, others: Segments, reach: float, asked: NDArray[np.bool_] | None = None
 ) -> Stretches:
-    """What of segments lies farther than `reach` from others, mm; of those `asked` (n,), if not all.
+    """What of segments lies farther than `reach` from others, mm.
 
     `ends` (n, 4) are x and y of where each begins, and of where it ends. A stretch may come in
-    several that follow each other.
+    several that follow each other. Only segments `asked` (n,) are looked at, if that is given.
     """
     if asked is None:
         asked = np.ones(len(ends), np.bool_)

@@ -32,7 +32,7 @@ NUDGE = np.array([3.1, 1.7]) * 1e-11
 ties would have to be told apart, and rounded numbers cannot (Edelsbrunner and Mücke, "Simulation
 of simplicity", 1990, move points by amounts too small to compute with)."""
 NEARLY = 1e-4
-"""The share of the way from a cell's corner to the next but one at which the corner is looked at."""
+"""The share of the way from a cell's corner to its middle at which the corner is looked at."""
 
 
 class Region:
@@ -56,9 +56,10 @@ class Region:
         """
         if not len(self._loops.points) or not len(corners):
             return Loops.of([], [])
-        begins = np.minimum(first[:-1], len(corners) - 3)
+        begins = np.minimum(first[:-1], len(corners) - 1)
+        middle = np.add.reduceat(corners, begins) / np.maximum(np.diff(first), 1)[:, None]
         seen = corners[begins]
-        seen += NEARLY * (corners[begins + 2] - seen)
+        seen += NEARLY * (middle - seen)
         inside = shapely.contains_xy(self.area, seen)
         rooms = np.array([2 * len(corners) + 4 * len(self._loops.points), len(first) + 64])
         while True:
