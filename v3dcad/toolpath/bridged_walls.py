@@ -12,6 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
+    ConstFloatArray,
+    ConstFloatRows,
+    FloatArray,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
 from v3dcad.geometry.loops.reach import Stretches
 from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats, Ints
 from v3dcad.toolpath.overhang import merged
@@ -78,24 +87,59 @@ def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Floats]:
     Steps that a span begins or ends within are cut there; beside the stroke comes where its points
     lie then.
     """
-    edges = spans.ravel()
-    step = np.searchsorted(at, edges, side="right") - 1
-    inside = at[step] != edges
-    cuts, step = edges[inside], step[inside]
-    share = (cuts - at[step]) / (at[step + 1] - at[step])
-    # Each corner, and after it the cuts of the step that it begins.
-    corner = np.repeat(np.arange(len(at)), 1 + np.bincount(step, minlength=len(at)))
-    new = step + 1 + np.arange(len(step))
-    along, points, whole = at[corner], stroke.points[corner], corner[:-1]
-    along[new] = cuts
-    points[new] += share[:, None] * (stroke.points[step + 1] - stroke.points[step])
-    laid = stroke.laid[whole]
-    parts = np.union1d(new - 1, new)
-    laid[parts] *= np.diff(along)[parts] / np.diff(at)[whole[parts]]
-    passed = np.cumsum(np.bincount(np.searchsorted(along, edges), minlength=len(along)))
-    feature = stroke.feature[whole]
-    feature[passed[:-1] % 2 == 1] = BRIDGE  # between the first edge and the second, and so on
-    return Stroke(points, feature, laid, stroke.centre[whole]), along
+    most = len(at) + spans.size
+    points, along = np.empty((most, 2)), np.empty(most)
+    whole, laid, bridged = np.empty(most, np.int64), np.empty(most), np.empty(most, np.bool_)
+    count = _cut_steps(
+        stroke.points, stroke.laid, at, spans.ravel(), points, along, whole, laid, bridged
+    )
+    whole = whole[:count]
+    feature = np.where(bridged[:count], BRIDGE, stroke.feature[whole]).astype(np.int8)
+    cut = Stroke(points[: count + 1], feature, laid[:count], stroke.centre[whole])
+    return cut, along[: count + 1]
+
+
+@compiled(UNCOUNTED)
+def _cut_steps(
+    points: ConstFloatRows,
+    laid: ConstFloatArray,
+    at: ConstFloatArray,
+    edges: ConstFloatArray,
+    found: FloatRows,
+    along: FloatArray,
+    whole: IntArray,
+    parts: FloatArray,
+    inside: BoolArray,
+) -> int:
+    """Number of steps once they are cut at `edges` (e,), mm, in order.
+
+    For each comes where it begins, the step that it was, what is laid, and whether it lies between
+    the first edge and the second, or the third and the fourth, and so on.
+    """
+    size = edge = 0
+    between = False
+    for step in range(len(at) - 1):
+        x, y, long = points[step, 0], points[step, 1], at[step + 1] - at[step]
+        dx, dy = points[step + 1, 0] - x, points[step + 1, 1] - y
+        start = at[step]
+        while True:
+            while edge < len(edges) and edges[edge] <= start:
+                between = not between
+                edge += 1
+            stop = min(edges[edge], at[step + 1]) if edge < len(edges) else at[step + 1]
+            share = (start - at[step]) / long if start > at[step] else 0.0
+            found[size, 0], found[size, 1] = x + share * dx, y + share * dy
+            along[size], whole[size], inside[size] = start, step, between
+            parts[size] = laid[step]
+            if stop - start < long:
+                parts[size] *= (stop - start) / long
+            size += 1
+            start = stop
+            if start >= at[step + 1]:
+                break
+    last = len(at) - 1
+    found[size, 0], found[size, 1], along[size] = points[last, 0], points[last, 1], at[last]
+    return size
 
 
 def _parted(low: Floats, high: Floats, at: Floats) -> tuple[Ints, Floats, Floats]:

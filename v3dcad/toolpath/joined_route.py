@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -89,21 +90,14 @@ def in_order(
 
 def from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
     """The loops of a graph made of loops, each from its seam on."""
-    begins = np.nonzero(outer.edges[:, 1] < outer.edges[:, 0])[0] + 1
+    ends = np.flatnonzero(outer.edges[:, 1] < outer.edges[:, 0]) + 1
     found = []
-    for edges in np.split(np.arange(len(outer.edges)), begins[:-1]):
-        if not len(edges):
-            continue
-        points = outer.vertices[outer.edges[edges, 0]]
-        seam = seams.corner(points)
-        turned = np.roll(edges, -seam)
-        found.append(
-            Closed(
-                np.roll(points, -seam, axis=0),
-                np.full(len(edges), PERIMETER),
-                outer.centre[turned],
-            )
-        )
+    for low, high in pairwise([0, *ends.tolist()]):
+        points = outer.vertices[outer.edges[low:high, 0]]
+        seam = low + seams.corner(points)
+        turned = np.concatenate([np.arange(seam, high), np.arange(low, seam)])
+        feature = np.full(high - low, PERIMETER)
+        found.append(Closed(points[turned - low], feature, outer.centre[turned]))
     return found
 
 

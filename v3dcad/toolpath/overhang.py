@@ -9,6 +9,7 @@ places that are farthest apart.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -19,6 +20,14 @@ import shapely
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    FloatArray,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
 from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
@@ -80,13 +89,14 @@ class Hanging:
 class _Way(NamedTuple):
     """Beads put one after the other on one line; where the nozzle stops, with room between."""
 
-    ends: Floats
+    ends: FloatRows
     """(n, 4) mm: x and y of where each bead begins, x and y of where it ends"""
-    kind: Ints
+    kind: IntArray
     """(n,) number of each one's kind; `MOVE` where nothing of the part is laid"""
-    at: Floats
+    at: FloatArray
     """(n,) mm along the line where each begins"""
-    length: Floats
+    length: FloatArray
+    """(n,) mm"""
 
     def points(self, at: Floats) -> Floats:
         """(k, 2) mm: the places at some mm (k,) along the line; corners to the last bit."""
@@ -163,13 +173,22 @@ def hanging(
 
 def _way(before: Floats, points: Floats, kind: Ints) -> _Way:
     """Steps to points (n, 3) from the last one, the first of all from `before` (3,)."""
-    ends = np.empty((len(points), 4))
-    ends[:1, :2], ends[1:, :2], ends[:, 2:] = before[:2], points[:-1, :2], points[:, :2]
-    x, y = ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]
-    length = np.sqrt(x * x + y * y)
-    apart = length.copy()
-    apart[1:][kind[1:] != kind[:-1]] += APART
-    return _Way(ends, kind, np.cumsum(apart) - length, length)
+    way = _Way(np.empty((len(points), 4)), kind, *np.empty((2, len(points))))
+    _line_up(before, points, way)
+    return way
+
+
+@compiled(UNCOUNTED)
+def _line_up(before: ConstFloatArray, points: ConstFloatRows, way: _Way) -> None:
+    x, y, passed = before[0], before[1], 0.0
+    for step in range(len(points)):
+        u, v = points[step, 0], points[step, 1]
+        if step > 0 and way.kind[step] != way.kind[step - 1]:
+            passed += APART
+        way.ends[step, 0], way.ends[step, 1], way.ends[step, 2], way.ends[step, 3] = x, y, u, v
+        way.at[step], way.length[step] = passed, math.sqrt((u - x) ** 2 + (v - y) ** 2)
+        passed += way.length[step]
+        x, y = u, v
 
 
 def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Segments, width: float) -> Floats:
