@@ -28,8 +28,9 @@ MITRE = math.tan(math.pi / 3)
 """A notch is filled as far as that of a turn by 120°."""
 FLAT = 3.1
 """Turns, in radians, count as no larger."""
-BACK = -0.2
-"""The cosine between two beads of a stroke that run back rather than on."""
+BACK = -0.75
+"""The cosine between two beads of a stroke that run back rather than on. In a half turn by eighths,
+as at links, each only bends from the last."""
 PIECE = 4.0
 """Bead widths: longer beads are looked at piece by piece."""
 FEW = 2
