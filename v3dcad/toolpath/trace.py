@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
-from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Layer, Toolpath
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_spacing
 from v3dcad.toolpath.beads import Nozzle
@@ -26,7 +27,7 @@ from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import shells
-from v3dcad.toolpath.stroke import Stroke, capped
+from v3dcad.toolpath.stroke import Lines, Stroke, capped, lines_of
 from v3dcad.toolpath.travel import Traveller
 
 OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
@@ -70,6 +71,7 @@ class _Planned(NamedTuple):
 
     plan: Plan
     strokes: list[Stroke]
+    lines: Lines
     level: float
     """mm above the bed, where beads end; 0 where nothing is printed yet"""
     height: float
@@ -104,14 +106,15 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
             here = strokes[-1].points[-1]
         if printed:
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        yield _Planned(plan, strokes, level, height)
+        yield _Planned(plan, strokes, lines_of(strokes, spacing), level, height)
 
 
 class _Measured(NamedTuple):
-    """A layer whose strokes have no more bead than room."""
+    """A layer, and what of its beads has room and lies on others."""
 
     planned: _Planned
-    strokes: list[Stroke]
+    room: Floats
+    """(n,) what share of its room each line has to itself"""
     below: Segments | None
     """the beads of the layer below; None on the bed"""
     hang: Stretches | None
@@ -127,13 +130,13 @@ class _Measuring:
 
     def measured(self, planned: _Planned) -> _Measured:
         """The next layer. This is what takes most of the time."""
-        strokes, lines = capped(planned.strokes, planned.plan.spacing)
-        below, hang = self._below, None
+        lines, below, hang = planned.lines, self._below, None
+        room = covered(*lines, planned.plan.spacing)
         if below is not None and self._settings.wall_beads == 2:
-            hang = far_from(lines.ends, below, self._settings.bead_width / 2)
+            hang = far_from(lines.segments.ends, below, self._settings.bead_width / 2)
         if planned.level:
-            self._below = lines
-        return _Measured(planned, strokes, below, hang)
+            self._below = lines.segments
+        return _Measured(planned, room, below, hang)
 
 
 class _Laying:
@@ -146,8 +149,9 @@ class _Laying:
 
     def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        (plan, _, level, height), strokes, below, hang = measured
+        (plan, strokes, _, level, height), room, below, hang = measured
         settings, nozzle = self._settings, self._nozzle
+        strokes = capped(strokes, room)
         if level:
             nozzle.rise(
                 level, height, Traveller(plan.area, settings.bead_width / 4), first=plan.first
