@@ -51,9 +51,9 @@ def trace(
     last one is laid and the next one planned. Raises `GeometryError` where layers do not ascend,
     where beads span more than `fail_over`, and at the end where nothing of the part was printed.
     """
-    measuring, laying = _Measuring(settings), _Laying(settings, told=report is not None)
+    laying = _Laying(settings, told=report is not None)
     traced = made = False
-    for measured in overlapped(measuring.measured, _planned(layers, settings, thesis)):
+    for measured in overlapped(_measured, _planned(layers, settings, thesis)):
         toolpath, found = laying.laid(measured)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None and found is not None:
@@ -72,6 +72,8 @@ class _Planned(NamedTuple):
     plan: Plan
     strokes: list[Stroke]
     lines: Lines
+    below: Segments | None
+    """the lines of the layer below; None on the bed"""
     level: float
     """mm above the bed, where beads end; 0 where nothing is printed yet"""
     height: float
@@ -82,6 +84,7 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
     """What is printed on each layer, from where the last one ends."""
     linked, seams, here = Linked(), Seams(settings.seam), np.zeros(2)
     below: Below | None = None
+    under: Segments | None = None
     level = above = spacing = height = 0.0
     # A layer waits for its skin, which sections above have a say in.
     waiting, ahead = tee(layers)
@@ -104,9 +107,11 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
         strokes = list(plan.strokes(here)) if printed else []
         if strokes:
             here = strokes[-1].points[-1]
+        lines = lines_of(strokes, spacing)
+        yield _Planned(plan, strokes, lines, under, level, height)
         if printed:
+            under = lines.segments
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        yield _Planned(plan, strokes, lines_of(strokes, spacing), level, height)
 
 
 class _Measured(NamedTuple):
@@ -115,28 +120,18 @@ class _Measured(NamedTuple):
     planned: _Planned
     room: Floats
     """(n,) what share of its room each line has to itself"""
-    below: Segments | None
-    """the beads of the layer below; None on the bed"""
     hang: Stretches | None
-    """where steps hang, if each lays a bead of its own: walls of one bead are passed twice"""
+    """where lines hang, if each is one step: walls of one bead are passed twice"""
 
 
-class _Measuring:
-    """What measures strokes, layer by layer: how much room there is, and what hangs over what."""
-
-    def __init__(self, settings: PrintSettings) -> None:
-        self._settings = settings
-        self._below: Segments | None = None
-
-    def measured(self, planned: _Planned) -> _Measured:
-        """The next layer. This is what takes most of the time."""
-        lines, below, hang = planned.lines, self._below, None
-        room = covered(*lines, planned.plan.spacing)
-        if below is not None and self._settings.wall_beads == 2:
-            hang = far_from(lines.segments.ends, below, self._settings.bead_width / 2)
-        if planned.level:
-            self._below = lines.segments
-        return _Measured(planned, room, below, hang)
+def _measured(planned: _Planned) -> _Measured:
+    """What takes most of the time, and no other layer."""
+    plan, _, lines, below, _, _ = planned
+    room = covered(*lines, plan.spacing)
+    if below is None or plan.settings.wall_beads == 1:
+        return _Measured(planned, room, None)
+    hang = far_from(lines.segments.ends, below, plan.settings.bead_width / 2)
+    return _Measured(planned, room, hang)
 
 
 class _Laying:
@@ -149,7 +144,7 @@ class _Laying:
 
     def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        (plan, strokes, _, level, height), room, below, hang = measured
+        (plan, strokes, _, below, level, height), room, hang = measured
         settings, nozzle = self._settings, self._nozzle
         strokes = capped(strokes, room)
         if level:
