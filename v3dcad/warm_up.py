@@ -56,6 +56,8 @@ PRINT = (
     "v3dcad.geometry.print_time",
     "v3dcad.formats.gcode.lines",
     "v3dcad.geometry.loops.reach",
+    "v3dcad.toolpath.bridged_walls",
+    "v3dcad.toolpath.overhang",
     "v3dcad.geometry.voronoi.bins",
     "v3dcad.geometry.voronoi.reach",
     "v3dcad.geometry.voronoi.steepest",

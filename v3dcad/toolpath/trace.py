@@ -7,10 +7,11 @@ from itertools import tee
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
+from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
 from v3dcad.settings import PrintSettings
@@ -26,7 +27,7 @@ from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import shells
-from v3dcad.toolpath.stroke import Stroke, capped
+from v3dcad.toolpath.stroke import Lines, Stroke, capped, lines_of
 from v3dcad.toolpath.travel import Traveller
 
 OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
@@ -46,13 +47,14 @@ def trace(
     the others as far above it as their sections are, each filling the height to the one below.
     Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
     the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
-    as long as it takes to know whether they are among the top ones. A layer is planned while the
-    last one is laid. Raises `GeometryError` where layers do not ascend, where beads span more than
-    `fail_over`, and at the end where nothing of the part was printed.
+    as long as it takes to know whether they are among the top ones. A layer is measured while the
+    last one is laid and the next one planned. Raises `GeometryError` where layers do not ascend,
+    where beads span more than `fail_over`, and at the end where nothing of the part was printed.
     """
     laying = _Laying(settings, told=report is not None)
     traced = made = False
-    for toolpath, found in overlapped(laying.lay, _planned(layers, settings, thesis)):
+    for measured in overlapped(_measured, _planned(layers, settings, thesis)):
+        toolpath, found = laying.laid(measured)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None and found is not None:
             report(found)
@@ -69,6 +71,9 @@ class _Planned(NamedTuple):
 
     plan: Plan
     strokes: list[Stroke]
+    lines: Lines
+    below: Segments | None
+    """the lines of the layer below; None on the bed"""
     level: float
     """mm above the bed, where beads end; 0 where nothing is printed yet"""
     height: float
@@ -79,6 +84,7 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
     """What is printed on each layer, from where the last one ends."""
     linked, seams, here = Linked(), Seams(settings.seam), np.zeros(2)
     below: Below | None = None
+    under: Segments | None = None
     level = above = spacing = height = 0.0
     # A layer waits for its skin, which sections above have a say in.
     waiting, ahead = tee(layers)
@@ -101,63 +107,70 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
         strokes = list(plan.strokes(here)) if printed else []
         if strokes:
             here = strokes[-1].points[-1]
+        lines = lines_of(strokes, spacing)
+        yield _Planned(plan, strokes, lines, under, level, height)
         if printed:
+            under = lines.segments
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        yield _Planned(plan, strokes, level, height)
+
+
+class _Measured(NamedTuple):
+    """A layer, and what of its beads has room and lies on others."""
+
+    planned: _Planned
+    room: Floats
+    """(n,) what share of its room each line has to itself"""
+    hang: Stretches | None
+    """where lines hang, if each is one step: walls of one bead are passed twice"""
+
+
+def _measured(planned: _Planned) -> _Measured:
+    """What takes most of the time, and no other layer."""
+    plan, _, lines, below, _, _ = planned
+    room = covered(*lines, plan.spacing)
+    if below is None or plan.settings.wall_beads == 1:
+        return _Measured(planned, room, None)
+    hang = far_from(lines.segments.ends, below, plan.settings.bead_width / 2)
+    return _Measured(planned, room, hang)
 
 
 class _Laying:
-    """What lays strokes, layer by layer, and knows what lies below."""
+    """What lays strokes, layer by layer."""
 
     def __init__(self, settings: PrintSettings, *, told: bool) -> None:
         self._settings = settings
         self._told = told
         self._nozzle = Nozzle(settings)
-        self._below: tuple[Plan, Segments] | None = None
 
-    def lay(self, planned: _Planned) -> tuple[Toolpath, LayerReport | None]:
+    def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        plan, _, level, height = planned
+        (plan, strokes, _, below, level, height), room, hang = measured
         settings, nozzle = self._settings, self._nozzle
+        strokes = capped(strokes, room)
         if level:
             nozzle.rise(
                 level, height, Traveller(plan.area, settings.bead_width / 4), first=plan.first
             )
         before = nozzle.position
-        strokes, lines = capped(planned.strokes, plan.spacing)
-        held, bridged = None, 0.0
-        if self._below is not None and settings.wall_beads == 2:
-            strokes, held, bridged = with_bridged_walls(
-                strokes, lines, self._below[1], settings.bead_width, settings.minimum_edge
+        bridged = 0.0
+        if hang is not None:
+            strokes, hang, bridged = with_bridged_walls(
+                strokes, hang, settings.bead_width, settings.minimum_edge
             )
         for stroke in strokes:
             nozzle.print(stroke)
         toolpath = nozzle.taken(plan.layer.index)
-        hang = self._hanging(toolpath, before, planned, held)
-        if level:
-            self._below = plan, lines
+        told: tuple[Hanging, ...] = ()
+        if below is not None and (self._told or not isinstance(settings.fail_over, str)):
+            assert plan.below is not None
+            width = settings.bead_width
+            told = hanging(toolpath, before, below, plan.below.area, width, height, hang)
+            refuse_spans(told, plan.layer.index, level, settings.fail_over)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         if not self._told:
             return toolpath, None
         return toolpath, layer_report(
-            toolpath, before, len(strokes), plan, seconds, level, hang, bridged
+            toolpath, before, len(strokes), plan, seconds, level, told, bridged
         )
-
-    def _hanging(
-        self,
-        toolpath: Toolpath,
-        before: Floats,
-        planned: _Planned,
-        held: NDArray[np.bool_] | None,
-    ) -> tuple[Hanging, ...]:
-        """What of a layer hangs, if that is asked; `GeometryError` where it is too much."""
-        settings = self._settings
-        if self._below is None or (isinstance(settings.fail_over, str) and not self._told):
-            return ()
-        plan, lines = self._below
-        width = settings.bead_width
-        found = hanging(toolpath, before, lines, plan.area, width, planned.height, held)
-        refuse_spans(found, planned.plan.layer.index, planned.level, settings.fail_over)
-        return found
