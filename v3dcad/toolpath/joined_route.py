@@ -58,8 +58,7 @@ def joined_curves(
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
-    loops = loops.thinned(max(shortest, GRID))
-    curves = joined(loops, spacing, linked, shortest)
+    curves = joined(loops.thinned(max(shortest, GRID)), spacing, linked, shortest)
     return corners_cut(curves, spacing, shortest)
 
 

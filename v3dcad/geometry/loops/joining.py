@@ -1,8 +1,8 @@
 """Loops joined into closed curves: one curve for each connected group of loops.
 
-Two loops that face each other are cut where they do, one bead spacing wide, and joined crosswise.
-Along a spanning tree of the loops this makes one closed curve of them all. With the gap as wide as
-the spacing, links add the length that the cuts take away: two pieces of one spacing each.
+Two loops that face each other are cut where they do, about one bead spacing wide, and joined
+crosswise. Along a spanning tree of the loops this makes one closed curve of them all. Links are
+hardly longer than what the cuts take away.
 """
 
 from __future__ import annotations
