@@ -19,7 +19,9 @@ from v3dcad.geometry.loops.segments import Segments, beside
 from v3dcad.model import Floats, Ints
 
 NEAR = 0.95
-"""Lines nearer to each other than so many bead widths share room."""
+"""Lines nearer to each other than so many bead widths share room,"""
+BRIEF, CLOSE = 1.5, 0.85
+"""if they are so for as many bead widths, or come as near as that: links are nine tenths wide."""
 TOUCHING = 1 - 1e-6
 """Bead widths: lines as far apart as they should be take no room from each other."""
 ROUND = 1.6
@@ -171,9 +173,14 @@ def _contacts(
             continue
         cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
         low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
-        if low <= high:
-            near.contacts[count, 0], near.contacts[count, 1] = low, high
-            count += 1
+        if low > high:
+            continue
+        if (high - low) * beads.length[one] < BRIEF * width:
+            from_, to = within(ax, ay, bx, by, cx, cy, dx, dy, CLOSE * width)
+            if from_ > to:
+                continue
+        near.contacts[count, 0], near.contacts[count, 1] = low, high
+        count += 1
     return count
 
 
