@@ -7,6 +7,7 @@ random numbers. The sites so made are explicit ones: whoever has them has the st
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,18 +16,14 @@ from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.model import Floats, Progress, Value, unheard
 from v3dcad.settings import FillSettings
-from v3dcad.structure.foam.choice import settled_stretch
+from v3dcad.structure.foam.choice import graded_stretch
 from v3dcad.structure.foam.darts import EXPECTED, graded_disk, radii_for, targets_of
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.random import random_bits
 from v3dcad.structure.foam.relaxing import STAGES, relax_inside
 from v3dcad.structure.foam.size_grid import SLOPE, Field, Sampled, sampled
 from v3dcad.structure.foam.space import steepest_in, tilt
-from v3dcad.structure.foam.tile import stretch_for
 from v3dcad.structure.foam.uniform import refuse_larger
-
-TAU, LEAST_TAU = 1.67, 1.41
-"""The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
 
 PAD = 2.0
 """In radii: how far around the box sites are made."""
@@ -61,30 +58,19 @@ class Graded(Value):
     """the share of the box where cells are smaller than asked, since the field is too steep"""
 
 
-def graded_stretch(settings: FillSettings) -> float:
-    """The stretch of a graded foam.
-
-    Raises `SettingError` for columns, and for one with which no sites would be found.
-    """
-    if settings.stretch == "columns":
-        raise SettingError(
-            "stretch", "--stretch columns: cells of many sizes need a number, or auto"
-        )
-    usual, least = (stretch_for(settings.max_overhang, tau) for tau in (TAU, LEAST_TAU))
-    return settled_stretch(settings, usual, least, "with cells of many sizes, walls")
-
-
 def graded_sites(
     field: Field,
     low: Floats,
     high: Floats,
     settings: FillSettings,
     progress: Progress = unheard,
+    wanted: Callable[[], Floats] = lambda: np.empty((0, 3)),
 ) -> Graded:
     """The sites for a part in the box low … high (3,), mm, with cells as large as a field says.
 
     `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
-    are 1 / size² cells a mm² of a horizontal section. Raises `SettingError` for more than `MOST`
+    are 1 / size² cells a mm² of a horizontal section. Sites stand where they are `wanted` (m, 3),
+    mm, unless walls would lean too much. Raises `SettingError` for more than `MOST`
     sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
     where no sites can be found whose walls all lean at most `settings.max_overhang`.
     """
@@ -106,16 +92,17 @@ def graded_sites(
     grid = radii_for(sizes.grid)
     targets = targets_of(grid, inside, PAD)
     _refuse_many(EXPECTED * float(targets.shares[-1]))
+    first = wanted() * squeezed
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
     for _ in range(TRIES):
         seed = int(random_bits(state)) >> 1
         progress("scattering cells", 0, 1)
         try:
-            places, radii = graded_disk(grid, targets, seed)
+            places, radii, held = graded_disk(grid, targets, seed, first)
             if settings.max_overhang < 90:
                 tau = stretch * float(np.tan(np.radians(settings.max_overhang)))
-                places = _straightened(places, radii, inside, tau, seed, progress)
+                places = _straightened(places, radii, held, inside, tau, seed, progress)
             _, reach = cell_reaches(places, *inside)
         except GeometryError as error:
             failure = error.message
@@ -137,9 +124,17 @@ def graded_sites(
 
 
 def _straightened(
-    places: Floats, radii: Floats, inside: Floats, tau: float, random_seed: int, progress: Progress
+    places: Floats,
+    radii: Floats,
+    held: int,
+    inside: Floats,
+    tau: float,
+    random_seed: int,
+    progress: Progress,
 ) -> Floats:
-    """Sites (n, 3) in the stretched space moved until no wall leans more than τ allows."""
+    """Sites (n, 3) in the stretched space moved until no wall leans more than τ allows; the first
+    `held` of them not if that can be.
+    """
     stages = [stage for stage in STAGES if stage > tau] + [tau]
     first: dict[float, int] = {}
 
@@ -150,7 +145,14 @@ def _straightened(
         progress("straightening walls", done, 100 * len(stages))
 
     return relax_inside(
-        places, radii, inside, tau, slack=SLACK, random_seed=random_seed, progress=told
+        places,
+        radii,
+        inside,
+        tau,
+        held=held,
+        slack=SLACK,
+        random_seed=random_seed,
+        progress=told,
     )
 
 
