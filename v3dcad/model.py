@@ -279,8 +279,9 @@ class Diagram(Value):
 
     def sites(self) -> Ints:
         """(c,) ids of the sites that have a cell, ascending."""
-        found: Ints = np.unique(self.edge_sites)
-        return np.asarray(found[found != OUTSIDE])
+        seen = np.zeros(int(self.edge_sites.max(initial=OUTSIDE)) + 2, np.bool_)
+        seen[self.edge_sites] = True  # OUTSIDE, which is -1, is the last one
+        return np.asarray(np.flatnonzero(seen[:-1]))
 
     def lengths(self) -> Floats:
         """(e,) edge lengths, mm."""

@@ -32,7 +32,7 @@ def step_seconds(toolpath: Toolpath, before: Floats, settings: PrintSettings) ->
     """(p,) seconds of each step of a toolpath that begins, at rest, at `before` (3,), mm."""
     start = np.vstack([before, toolpath.points[:-1]])[: len(toolpath.points)]
     length = lengths(start, toolpath.points, toolpath.centre)
-    pulled = np.isin(toolpath.kind, (RETRACT, UNRETRACT))
+    pulled = (toolpath.kind == RETRACT) | (toolpath.kind == UNRETRACT)
     return move_seconds(
         toolpath.points - start,
         length,
@@ -72,11 +72,11 @@ def move_seconds(
     """
     seconds = np.empty(len(steps))
     _plan(
-        np.array(steps, dtype=np.float64),
-        np.array(length, dtype=np.float64),
-        np.array(still, dtype=np.float64),
-        np.array(speed, dtype=np.float64),
-        np.array(acceleration, dtype=np.float64),
+        np.ascontiguousarray(steps, np.float64),
+        np.ascontiguousarray(length, np.float64),
+        np.ascontiguousarray(still, np.float64),
+        np.ascontiguousarray(speed, np.float64),
+        np.ascontiguousarray(acceleration, np.float64),
         corner_speed**2 * (math.sqrt(2) - 1),
         seconds,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -10,10 +11,10 @@ import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import links_rounded
-from v3dcad.geometry.loops.curves import Curves
+from v3dcad.geometry.loops.curves import GRID, Curves, nearest_step
 from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import Linked
-from v3dcad.geometry.loops.loops import Loops, following
+from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
 from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.graph import PathGraph
@@ -28,7 +29,7 @@ NEAR = 3.0
 
 
 class Closed(NamedTuple):
-    """A closed stroke: points (k, 2); feature and centre of the step on from each."""
+    """A closed line: points (k, 2); feature and centre of the step on from each."""
 
     points: Floats
     feature: Ints
@@ -57,7 +58,8 @@ def joined_curves(
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
-    return links_rounded(joined(loops.thinned(shortest), spacing, linked, shortest), shortest)
+    loops = loops.thinned(max(shortest, GRID))
+    return links_rounded(joined(loops, spacing, linked, shortest), shortest)
 
 
 def in_order(
@@ -88,21 +90,14 @@ def in_order(
 
 def from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
     """The loops of a graph made of loops, each from its seam on."""
-    begins = np.nonzero(outer.edges[:, 1] < outer.edges[:, 0])[0] + 1
+    ends = np.flatnonzero(outer.edges[:, 1] < outer.edges[:, 0]) + 1
     found = []
-    for edges in np.split(np.arange(len(outer.edges)), begins[:-1]):
-        if not len(edges):
-            continue
-        points = outer.vertices[outer.edges[edges, 0]]
-        seam = seams.corner(points)
-        turned = np.roll(edges, -seam)
-        found.append(
-            Closed(
-                np.roll(points, -seam, axis=0),
-                np.full(len(edges), PERIMETER),
-                outer.centre[turned],
-            )
-        )
+    for low, high in pairwise([0, *ends.tolist()]):
+        points = outer.vertices[outer.edges[low:high, 0]]
+        seam = low + seams.corner(points)
+        turned = np.concatenate([np.arange(seam, high), np.arange(low, seam)])
+        feature = np.full(high - low, PERIMETER)
+        found.append(Closed(points[turned - low], feature, outer.centre[turned]))
     return found
 
 
@@ -111,21 +106,15 @@ class _Left:
 
     def __init__(self, curves: Curves) -> None:
         self._curves = curves
-        self._steps = curves.points[following(curves.first)] - curves.points
-        self._squares = np.maximum((self._steps**2).sum(axis=1), 1e-300)
-        self._done = np.zeros(len(curves.points), np.bool_)
+        self._done = np.zeros(len(curves.first) - 1, np.bool_)
 
     def __bool__(self) -> bool:
         return not bool(self._done.all())
 
     def nearest(self, here: Floats) -> tuple[int, float, float]:
         """Which step comes nearest to a place: the share of it that lies before, and how near."""
-        away = here - self._curves.points
-        shares = np.clip((away * self._steps).sum(axis=1) / self._squares, 0, 1)
-        away -= shares[:, None] * self._steps
-        apart = np.where(self._done, np.inf, (away**2).sum(axis=1))
-        step = int(np.argmin(apart))
-        return step, float(shares[step]), float(np.sqrt(apart[step]))
+        x, y = here.tolist()
+        return nearest_step(self._curves.points, self._curves.first, self._done, x, y)
 
     def entered(self, step: int, share: float, shortest: float) -> Closed:
         """Take a curve, from a place on it and round to it again.
@@ -133,22 +122,23 @@ class _Left:
         A corner within `shortest` mm of that place stands for it, so that no shorter step is made.
         """
         curve = int(np.searchsorted(self._curves.first, step, side="right")) - 1
-        own = slice(*self._curves.first[curve : curve + 2])
-        self._done[own] = True
+        own = slice(*self._curves.first[curve : curve + 2].tolist())
+        self._done[curve] = True
         points, owner = self._curves.points[own], self._curves.owner[own]
         step -= own.start
         after = (step + 1) % len(points)
-        place = points[step] + share * self._steps[own][step]
+        place = points[step] + share * (points[after] - points[step])
         from_, to = np.hypot(*(place - points[[step, after]]).T)
         begin = step if from_ <= to else after
         feature = np.where(owner < 0, INNER_PERIMETER, CELLS)
         if min(from_, to) >= shortest:
             begin = after
-        points, feature = np.roll(points, -begin, axis=0), np.roll(feature, -begin)
+        before, behind = points[begin:], points[: begin + 1]
+        feature = np.concatenate([feature[begin:], feature[:begin]])
         if min(from_, to) >= shortest:
-            points = np.vstack([place, points])
+            before, behind = np.vstack([place, before]), np.vstack([points[:begin], place])
             feature = np.concatenate([feature[-1:], feature])
-        return _open(Closed(points, feature, np.full(points.shape, np.nan)))
+        return Closed(np.concatenate([before, behind]), feature, np.full((len(feature), 2), np.nan))
 
 
 def _open(loop: Closed) -> Closed:

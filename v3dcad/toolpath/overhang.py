@@ -9,6 +9,7 @@ places that are farthest apart.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -16,11 +17,18 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.loops.reach import far_from
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    FloatArray,
+    FloatRows,
+    IntArray,
+)
+from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
+from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import (
     BRIDGE,
@@ -42,6 +50,12 @@ KINDS = {
     "walls": (CELLS,),
 }
 """What is told apart, and the features that it is made of."""
+MOVE = -1
+"""The kind of a step that lays nothing of the part."""
+KIND_OF = np.full(FEATURES + 1, MOVE)
+"""The number of each feature's kind; the last one stands for steps of no feature."""
+for _number, _features in enumerate(KINDS.values()):
+    KIND_OF[list(_features)] = _number
 ROUNDING = 1e-6
 """mm: stretches this near to each other are one."""
 APART = 1.0
@@ -75,21 +89,20 @@ class Hanging:
 class _Way(NamedTuple):
     """Beads put one after the other on one line; where the nozzle stops, with room between."""
 
-    start: Floats
-    """(n, 2) mm, where each bead begins"""
-    stop: Floats
-    """(n, 2) mm, and ends"""
-    kind: Ints
-    """(n,) number of each one's kind"""
-    at: Floats
+    ends: FloatRows
+    """(n, 4) mm: x and y of where each bead begins, x and y of where it ends"""
+    kind: IntArray
+    """(n,) number of each one's kind; `MOVE` where nothing of the part is laid"""
+    at: FloatArray
     """(n,) mm along the line where each begins"""
-    length: Floats
+    length: FloatArray
+    """(n,) mm"""
 
     def points(self, at: Floats) -> Floats:
         """(k, 2) mm: the places at some mm (k,) along the line; corners to the last bit."""
         bead = self.beads(at)
         along = at - self.at[bead]
-        start, stop, length = self.start[bead], self.stop[bead], self.length[bead]
+        start, stop, length = self.ends[bead, :2], self.ends[bead, 2:], self.length[bead]
         share = along / np.maximum(length, ROUNDING)
         found = start + share[:, None] * (stop - start)
         found[along < ROUNDING] = start[along < ROUNDING]
@@ -108,7 +121,7 @@ class _Way(NamedTuple):
         count = np.maximum(last - first, 0)
         number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
         every = np.arange(len(spans))
-        between = self.start[np.repeat(first, count) + number]
+        between = self.ends[np.repeat(first, count) + number, :2]
         return (
             np.vstack([self.points(spans[:, 0]), between, self.points(spans[:, 1])]),
             np.concatenate([every, np.repeat(every, count), every]),
@@ -122,39 +135,35 @@ def hanging(
     area_below: shapely.Geometry,
     width: float,
     height: float,
-    held: NDArray[np.bool_] | None = None,
+    hang: Stretches | None = None,
 ) -> tuple[Hanging, ...]:
     """What of a layer's toolpath hangs over the beads `below`, for each kind of which some does.
 
     The toolpath begins at `before` (3,); its beads and those below are `width` wide, and it is
-    `height` above them; mm. Steps that extrude and are `held` (n,) are known not to hang. Steps on
-    arcs count as straight: they are a chord tolerance off. Exact but for that, in time linear in
-    the number of beads.
+    `height` above them; mm. Which stretches of its steps that extrude `hang` may be known already.
+    Steps on arcs count as straight: they are a chord tolerance off. Exact but for that, in time
+    linear in the number of beads.
     """
-    kinds = np.full(FEATURES + 1, -1)  # the last one stands for steps of no feature
-    for number, features in enumerate(KINDS.values()):
-        kinds[list(features)] = number
-    kind = np.where(toolpath.kind == EXTRUDE, kinds[toolpath.feature], -1)
-    steps = np.flatnonzero(kind >= 0)
-    ends = np.vstack([before, toolpath.points])[:, :2]
-    way = _way(ends[steps], ends[steps + 1], kind[steps], steps)
-    asked = np.arange(len(steps))
-    if held is not None:
-        asked = np.flatnonzero(~held[kind[toolpath.kind == EXTRUDE] >= 0])
-    of, low, high = far_from(way.start[asked], way.stop[asked], below, width / 2)
-    of = asked[of]
+    extruding = toolpath.kind == EXTRUDE
+    way = _way(before, toolpath.points, np.where(extruding, KIND_OF[toolpath.feature], MOVE))
+    if hang is None:
+        of, low, high = far_from(way.ends, below, width / 2, way.kind != MOVE)
+    else:
+        of = np.flatnonzero(extruding)[hang.segment]
+        of, low, high = (part[way.kind[of] != MOVE] for part in (of, hang.low, hang.high))
     if not len(of):
         return ()
-    length = way.length[of] * (high - low)
-    per_mm = toolpath.volume[steps] / np.maximum(way.length, ROUNDING) / height
-    hangs = np.bincount(way.kind[of], length, len(KINDS))
-    areas = np.bincount(way.kind[of], length * per_mm[of], len(KINDS))
+    kind, length = way.kind[of], way.length[of] * (high - low)
+    per_mm = toolpath.volume[of] / np.maximum(way.length[of], ROUNDING) / height
+    hangs = np.bincount(kind, length, len(KINDS))
+    areas = np.bincount(kind, length * per_mm, len(KINDS))
     shapely.prepare(area_below)
     found = []
     spans = _spans(way, of, low, high, below, width)
+    kind = way.kind[way.beads(spans[:, 0])]
     for number, what in enumerate(KINDS):
         if hangs[number] > ROUNDING:
-            span, (x, y) = _longest(way, spans, number)
+            span, (x, y) = _longest(way, spans[kind == number])
             over = "cells" if shapely.contains_xy(area_below, x, y) else "air"
             found.append(
                 Hanging(what, float(hangs[number]), float(areas[number]), span, (x, y), over)
@@ -162,12 +171,24 @@ def hanging(
     return tuple(found)
 
 
-def _way(start: Floats, stop: Floats, kind: Ints, steps: Ints) -> _Way:
-    x, y = (stop - start).T
-    length = np.sqrt(x * x + y * y)
-    stops = np.ones(len(steps), dtype=bool)
-    stops[1:] = (np.diff(steps) != 1) | (np.diff(kind) != 0)
-    return _Way(start, stop, kind, np.cumsum(length + APART * stops) - length, length)
+def _way(before: Floats, points: Floats, kind: Ints) -> _Way:
+    """Steps to points (n, 3) from the last one, the first of all from `before` (3,)."""
+    way = _Way(np.empty((len(points), 4)), kind, *np.empty((2, len(points))))
+    _line_up(before, points, way)
+    return way
+
+
+@compiled(UNCOUNTED)
+def _line_up(before: ConstFloatArray, points: ConstFloatRows, way: _Way) -> None:
+    x, y, passed = before[0], before[1], 0.0
+    for step in range(len(points)):
+        u, v = points[step, 0], points[step, 1]
+        if step > 0 and way.kind[step] != way.kind[step - 1]:
+            passed += APART
+        way.ends[step, 0], way.ends[step, 1], way.ends[step, 2], way.ends[step, 3] = x, y, u, v
+        way.at[step], way.length[step] = passed, math.sqrt((u - x) ** 2 + (v - y) ** 2)
+        passed += way.length[step]
+        x, y = u, v
 
 
 def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Segments, width: float) -> Floats:
@@ -179,9 +200,11 @@ def _spans(way: _Way, of: Ints, low: Floats, high: Floats, under: Segments, widt
     """
     begins, ends = (way.at[of] + share * way.length[of] for share in (low, high))
     runs = merged(begins, ends)
-    steps = way.stop[of] - way.start[of]
-    corner = way.start[of]
-    free = far_from(corner + low[:, None] * steps, corner + high[:, None] * steps, under, width)
+    start = way.ends[of, :2]
+    steps = way.ends[of, 2:] - start
+    free = far_from(
+        np.hstack([start + low[:, None] * steps, start + high[:, None] * steps]), under, width
+    )
     size = (ends - begins)[free.segment]
     from_, to = (begins[free.segment] + share * size for share in (free.low, free.high))
     run = runs[np.searchsorted(runs[:, 0], from_ + ROUNDING, side="right") - 1]
@@ -198,13 +221,12 @@ def merged(low: Floats, high: Floats) -> Floats:
     return np.column_stack([low[first], np.maximum.reduceat(high, first)])
 
 
-def _longest(way: _Way, spans: Floats, kind: int) -> tuple[float, tuple[float, float]]:
-    """The longest of the spans (s, 2) of a kind, mm, and a place in its middle.
+def _longest(way: _Way, spans: Floats) -> tuple[float, tuple[float, float]]:
+    """The longest of some spans (s, 2), mm, and a place in its middle.
 
     Stretches that have a corner in common are one span, as on both sides of a seam. Their lengths
     along the bead bound what they span, so that few have to be measured.
     """
-    spans = spans[way.kind[way.beads(spans[:, 0])] == kind]
     if not len(spans):
         return 0.0, (0.0, 0.0)
     corners, owner = way.corners(spans)

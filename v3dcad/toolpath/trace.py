@@ -7,12 +7,12 @@ from itertools import tee
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from v3dcad.errors import GeometryError
 from v3dcad.geometry.loops.links import Linked
+from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
-from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_spacing
 from v3dcad.toolpath.beads import Nozzle
@@ -46,13 +46,14 @@ def trace(
     the others as far above it as their sections are, each filling the height to the one below.
     Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
     the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
-    as long as it takes to know whether they are among the top ones. A layer is planned while the
-    last one is laid. Raises `GeometryError` where layers do not ascend, where beads span more than
-    `fail_over`, and at the end where nothing of the part was printed.
+    as long as it takes to know whether they are among the top ones. A layer is measured while the
+    last one is laid and the next one planned. Raises `GeometryError` where layers do not ascend,
+    where beads span more than `fail_over`, and at the end where nothing of the part was printed.
     """
-    laying = _Laying(settings, told=report is not None)
+    measuring, laying = _Measuring(settings), _Laying(settings, told=report is not None)
     traced = made = False
-    for toolpath, found in overlapped(laying.lay, _planned(layers, settings, thesis)):
+    for measured in overlapped(measuring.measured, _planned(layers, settings, thesis)):
+        toolpath, found = laying.laid(measured)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None and found is not None:
             report(found)
@@ -106,58 +107,71 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
         yield _Planned(plan, strokes, level, height)
 
 
+class _Measured(NamedTuple):
+    """A layer whose strokes have no more bead than room."""
+
+    planned: _Planned
+    strokes: list[Stroke]
+    below: Segments | None
+    """the beads of the layer below; None on the bed"""
+    hang: Stretches | None
+    """where steps hang, if each lays a bead of its own: walls of one bead are passed twice"""
+
+
+class _Measuring:
+    """What measures strokes, layer by layer: how much room there is, and what hangs over what."""
+
+    def __init__(self, settings: PrintSettings) -> None:
+        self._settings = settings
+        self._below: Segments | None = None
+
+    def measured(self, planned: _Planned) -> _Measured:
+        """The next layer. This is what takes most of the time."""
+        strokes, lines = capped(planned.strokes, planned.plan.spacing)
+        below, hang = self._below, None
+        if below is not None and self._settings.wall_beads == 2:
+            hang = far_from(lines.ends, below, self._settings.bead_width / 2)
+        if planned.level:
+            self._below = lines
+        return _Measured(planned, strokes, below, hang)
+
+
 class _Laying:
-    """What lays strokes, layer by layer, and knows what lies below."""
+    """What lays strokes, layer by layer."""
 
     def __init__(self, settings: PrintSettings, *, told: bool) -> None:
         self._settings = settings
         self._told = told
         self._nozzle = Nozzle(settings)
-        self._below: tuple[Plan, Segments] | None = None
 
-    def lay(self, planned: _Planned) -> tuple[Toolpath, LayerReport | None]:
+    def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        plan, _, level, height = planned
+        (plan, _, level, height), strokes, below, hang = measured
         settings, nozzle = self._settings, self._nozzle
         if level:
             nozzle.rise(
                 level, height, Traveller(plan.area, settings.bead_width / 4), first=plan.first
             )
         before = nozzle.position
-        strokes, lines = capped(planned.strokes, plan.spacing)
-        held, bridged = None, 0.0
-        if self._below is not None and settings.wall_beads == 2:
-            strokes, held, bridged = with_bridged_walls(
-                strokes, lines, self._below[1], settings.bead_width, settings.minimum_edge
+        bridged = 0.0
+        if hang is not None:
+            strokes, hang, bridged = with_bridged_walls(
+                strokes, hang, settings.bead_width, settings.minimum_edge
             )
         for stroke in strokes:
             nozzle.print(stroke)
         toolpath = nozzle.taken(plan.layer.index)
-        hang = self._hanging(toolpath, before, planned, held)
-        if level:
-            self._below = plan, lines
+        told: tuple[Hanging, ...] = ()
+        if below is not None and (self._told or not isinstance(settings.fail_over, str)):
+            assert plan.below is not None
+            width = settings.bead_width
+            told = hanging(toolpath, before, below, plan.below.area, width, height, hang)
+            refuse_spans(told, plan.layer.index, level, settings.fail_over)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         if not self._told:
             return toolpath, None
         return toolpath, layer_report(
-            toolpath, before, len(strokes), plan, seconds, level, hang, bridged
+            toolpath, before, len(strokes), plan, seconds, level, told, bridged
         )
-
-    def _hanging(
-        self,
-        toolpath: Toolpath,
-        before: Floats,
-        planned: _Planned,
-        held: NDArray[np.bool_] | None,
-    ) -> tuple[Hanging, ...]:
-        """What of a layer hangs, if that is asked; `GeometryError` where it is too much."""
-        settings = self._settings
-        if self._below is None or (isinstance(settings.fail_over, str) and not self._told):
-            return ()
-        plan, lines = self._below
-        width = settings.bead_width
-        found = hanging(toolpath, before, lines, plan.area, width, planned.height, held)
-        refuse_spans(found, planned.plan.layer.index, planned.level, settings.fail_over)
-        return found

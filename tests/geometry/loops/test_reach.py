@@ -33,7 +33,7 @@ def test_what_is_left_is_what_shapely_leaves(seed: int, longest: float, reach: f
     high = low + random.uniform(-3, 3, (60, 2))
     high[:5] = low[:5]
     stop[-5:] = start[-5:]
-    found = far_from(start, stop, Segments.of(low, high, 0.2), reach)
+    found = far_from(np.hstack([start, stop]), Segments.of(low, high, 0.2), reach)
     assert left(start, stop, found) == pytest.approx(
         by_shapely(start, stop, (low, high), reach), abs=2e-3 * reach
     )
@@ -42,7 +42,7 @@ def test_what_is_left_is_what_shapely_leaves(seed: int, longest: float, reach: f
 def test_stretches_lie_in_order_and_reach_from_end_to_end_where_nothing_is_near() -> None:
     start, stop = np.zeros((1, 2)), np.array([[100.0, 0]])
     for others in (np.empty((0, 2)), np.array([[0.0, 50]])):
-        found = far_from(start, stop, Segments.of(others, others, 0.25), 0.25)
+        found = far_from(np.hstack([start, stop]), Segments.of(others, others, 0.25), 0.25)
         assert found.low[0] == 0
         assert found.high[-1] == 1
         assert found.low[1:] == pytest.approx(found.high[:-1])
@@ -51,8 +51,7 @@ def test_stretches_lie_in_order_and_reach_from_end_to_end_where_nothing_is_near(
 def test_a_bead_across_a_gap_hangs_from_edge_to_edge_of_what_it_crosses() -> None:
     low = np.array([[0.0, -5], [10.0, -5]])
     found = far_from(
-        np.array([[-1.0, 0]]),
-        np.array([[11.0, 0]]),
+        np.array([[-1.0, 0, 11, 0]]),
         Segments.of(low, low + np.array([0, 10]), 0.5),
         0.5,
     )
@@ -65,5 +64,7 @@ def test_a_bead_across_a_gap_hangs_from_edge_to_edge_of_what_it_crosses() -> Non
 
 def test_nothing_hangs_over_itself() -> None:
     points = np.random.default_rng(3).uniform(0, 30, (200, 2))
-    found = far_from(points[:-1], points[1:], Segments.of(points[:-1], points[1:], 1.0), 1e-3)
+    found = far_from(
+        np.hstack([points[:-1], points[1:]]), Segments.of(points[:-1], points[1:], 1.0), 1e-3
+    )
     assert not len(found.segment)

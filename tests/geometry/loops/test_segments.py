@@ -46,7 +46,7 @@ def test_none_that_is_near_is_missed(longest: float, asked: float) -> None:
     """Asked for what is nearer or farther than the bins were made for."""
     start, stop = scattered(2, 200, longest)
     others = scattered(3, 120, 3.0)
-    found = far_from(start, stop, Segments.of(*others, 0.5), asked)
+    found = far_from(np.hstack([start, stop]), Segments.of(*others, 0.5), asked)
     lines, near = (shapely.linestrings(np.stack(ends, axis=1)) for ends in ((start, stop), others))
     apart = shapely.distance(lines[:, None], near).min(axis=1)
     whole = np.bincount(found.segment, found.high - found.low, len(start)) > 1 - 1e-9
@@ -60,6 +60,6 @@ def test_no_segments() -> None:
     found = Segments.of(none, none, 0.5)
     assert not len(found.items)
     start, stop = scattered(4, 5, 1.0)
-    left = far_from(start, stop, found, 0.5)
+    left = far_from(np.hstack([start, stop]), found, 0.5)
     assert (left.low == 0).all()
     assert (left.high == 1).all()

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from v3dcad.geometry.compiled.arrays import ConstFloatRows, ConstIntArray, FloatRows, IntArray
+from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
 from v3dcad.geometry.loops.curves import LINK, Curves
-from v3dcad.geometry.loops.loops import following
 
-BEND = math.radians(20)
-"""A smaller turn is no corner: it is taken at full speed."""
+STRAIGHT = math.cos(math.radians(20))
+"""The cosine of a turn that is no corner: it is taken at full speed, as smaller ones are."""
 MOST_SHARE = 0.3
 """The share of a step that a cut takes: so half a turn round a link is half an octagon."""
 
@@ -22,27 +23,47 @@ def links_rounded(curves: Curves, shortest: float) -> Curves:
     cut off there would leave the walls bare. So do those where the piece put in would be shorter
     than `shortest` (mm).
     """
-    points, owner = curves.points, curves.owner
-    after = following(curves.first)
-    before = np.empty_like(after)
-    before[after] = np.arange(len(points))
-    (corner,) = np.nonzero((owner == LINK) | (owner[before] == LINK))
+    room = 2 * len(curves.points)
+    points, owner = np.empty((room, 2)), np.empty(room, np.int64)
+    first = np.zeros_like(curves.first)
+    _cut_corners(curves.points, curves.first, curves.owner, shortest, points, first, owner)
+    size = first[-1]
+    return Curves(points[:size].copy(), first, owner[:size].copy())
 
-    arriving, leaving = (
-        points[corner] - points[before[corner]],
-        points[after[corner]] - points[corner],
-    )
-    gone, left = (np.maximum(np.sqrt((way**2).sum(axis=1)), 1e-12) for way in (arriving, leaving))
-    arriving, leaving = arriving / gone[:, None], leaving / left[:, None]
-    cosine = np.clip((arriving * leaving).sum(axis=1), -1, 1)
-    away = MOST_SHARE * np.minimum(gone, left)
-    # The piece put in is 2 · away · cos(turn ÷ 2) long.
-    cut = (cosine < math.cos(BEND)) & (away * np.sqrt(2 + 2 * cosine) >= shortest)
 
-    copies = np.ones(len(points), np.int64)
-    copies[corner[cut]] = 2
-    ends = np.cumsum(copies)
-    found = np.repeat(points, copies, axis=0)
-    found[ends[corner[cut]] - 2] -= away[cut, None] * arriving[cut]
-    found[ends[corner[cut]] - 1] += away[cut, None] * leaving[cut]
-    return Curves(found, np.concatenate([[0], ends])[curves.first], np.repeat(owner, copies))
+@compiled(UNCOUNTED)
+def _cut_corners(
+    points: ConstFloatRows,
+    first: ConstIntArray,
+    owner: ConstIntArray,
+    shortest: float,
+    found: FloatRows,
+    begins: IntArray,
+    whose: IntArray,
+) -> None:
+    size = 0
+    for curve in range(len(first) - 1):
+        low, high = first[curve], first[curve + 1]
+        before = high - 1
+        for k in range(low, high):
+            after = k + 1 if k + 1 < high else low
+            x, y = points[k, 0], points[k, 1]
+            pieces = 1
+            if owner[k] == LINK or owner[before] == LINK:
+                ux, uy = x - points[before, 0], y - points[before, 1]
+                vx, vy = points[after, 0] - x, points[after, 1] - y
+                gone = max(math.sqrt(ux * ux + uy * uy), 1e-12)
+                left = max(math.sqrt(vx * vx + vy * vy), 1e-12)
+                ux, uy, vx, vy = ux / gone, uy / gone, vx / left, vy / left
+                cosine = min(max(ux * vx + uy * vy, -1.0), 1.0)
+                away = MOST_SHARE * min(gone, left)
+                # The piece put in is 2 · away · cos(turn ÷ 2) long.
+                if cosine < STRAIGHT and away * math.sqrt(2 + 2 * cosine) >= shortest:
+                    found[size, 0], found[size, 1] = x - away * ux, y - away * uy
+                    x, y = x + away * vx, y + away * vy
+                    pieces = 2
+            size += pieces
+            found[size - 1, 0], found[size - 1, 1] = x, y
+            whose[size - pieces] = whose[size - 1] = owner[k]
+            before = k
+        begins[curve + 1] = size

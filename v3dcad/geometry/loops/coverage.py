@@ -8,17 +8,11 @@ meets another line: at their medial axis (Blum 1967).
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.compiled.arrays import (
-    BoolArray,
-    ConstFloatArray,
-    ConstIntArray,
-    FloatArray,
-    FloatRows,
-    IntArray,
-)
+from v3dcad.geometry.compiled.arrays import ConstIntArray, FloatArray, FloatRows, IntArray
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.loops.reach import within
 from v3dcad.geometry.loops.segments import Segments, beside
@@ -39,13 +33,45 @@ BACK = -0.2
 PIECE = 4.0
 """Bead widths: longer beads are looked at piece by piece."""
 FEW = 2
-"""Pieces: a bead of no more is looked at without asking first which of them others come near to."""
+"""Pieces: a bead of no more is looked at as a whole when it is asked which others are near."""
 STEP = 0.5
 """Bead widths between two places at which room is measured."""
 COUNTS = np.arange(math.ceil(PIECE / STEP) + 1)
 ENDS = (1 - np.cos(np.pi * COUNTS / np.maximum(COUNTS, 1)[:, None])) / 2
 """Where places on a piece end, in shares of it: in row n those of n places. They are closer to each
 other at the ends, where other beads come in."""
+
+
+class Beads(NamedTuple):
+    """Beads along segments, as their strokes go; at bend k one ends and bead k begins."""
+
+    run: IntArray
+    """(n,) the number of each one's stroke, where ends meet; another where they do not"""
+    passed: FloatArray
+    """(n,) mm of beads before each"""
+    length: FloatArray
+    """(n,) mm"""
+    bends: FloatArray
+    """(n + 1,) radians, to the left"""
+    kites: FloatArray
+    """(n + 1,) mm along both beads at a bend that one half of them covers twice"""
+    lost: FloatArray
+    """(n + 1,) mm² of each of the two beads that have no room there"""
+
+
+class Near(NamedTuple):
+    """What is near a bead, as far as it is known; room for as many as there are."""
+
+    stamp: IntArray
+    """(n,) for `beside`"""
+    found: IntArray
+    """(n + 1,) beads that may be near"""
+    contacts: FloatRows
+    """(n, 2) shares of the bead between which others share its room"""
+    others: IntArray
+    """(n,) beads that are near a piece of it"""
+    spans: FloatRows
+    """(n, 2) shares of the piece between which each is"""
 
 
 def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
@@ -56,40 +82,14 @@ def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
     notch outside, which what is too much fills: it counts as even. To the right, where loops have
     their hollow, nothing closes the notch, and it is taken off.
     """
-    if not len(stroke):
-        return np.zeros(0)
-    ax, ay, bx, by = segments.ends.T
-    x, y = bx - ax, by - ay
-    length = np.sqrt(x * x + y * y)
-    passed = np.cumsum(length) - length
-    bends = np.zeros(len(stroke) + 1)
-    follows = (stroke[1:] == stroke[:-1]) & (ax[1:] == bx[:-1]) & (ay[1:] == by[:-1])
-    run = np.concatenate([[0], np.cumsum(~follows)])
-    u, v, x, y = x[1:], y[1:], x[:-1], y[:-1]
-    bends[1:-1] = np.where(follows, np.arctan2(x * v - y * u, x * u + y * v), 0.0)
-
-    kite = np.tan(np.minimum(np.abs(bends), FLAT) / 2)
-    lost = kite - np.where(bends < 0, np.abs(bends) / 2, np.minimum(kite, MITRE))
-    areas = length * width
-    areas -= (lost[:-1] + lost[1:]) * width**2 / 8
-    # Where a kite is longer than its bead, it is no kite.
-    crowded = length < np.maximum(kite[:-1], kite[1:]) * width / 2
-    _measure(
-        segments,
-        run,
-        passed,
-        length,
-        bends,
-        lost * width**2 / 8,
-        crowded,
-        width,
-        np.full(len(length), -1),
-        np.empty(len(length) + 1, np.int64),
-        np.empty((len(length), 2)),
-        np.empty((len(length), 2)),
-        areas,
-    )
-    return np.asarray(np.clip(areas / np.maximum(length * width, 1e-12), 0.0, 1.0))
+    count = len(stroke)
+    run, numbers = np.zeros(count, np.int64), np.empty((2, count + 1), np.int64)
+    amounts, bends, rows = np.empty((3, count)), np.zeros((3, count + 1)), np.empty((2, count, 2))
+    beads = Beads(run, *amounts[:2], *bends)
+    near = Near(np.full(count, -1), numbers[0], rows[0], numbers[1], rows[1])
+    _follow(segments.ends, stroke, width, beads)
+    _share(segments, beads, width, near, amounts[2])
+    return amounts[2]
 
 
 @compiled(INTERNAL)
@@ -118,17 +118,36 @@ def _room(
     return (rest + share * (2 * mixed + share * square)) / (2 * ahead)
 
 
+@compiled(UNCOUNTED)
+def _follow(ends: FloatRows, stroke: ConstIntArray, width: float, beads: Beads) -> None:
+    """Fill in how beads follow each other."""
+    run, passed, length, bends, kites, lost = beads
+    before = 0.0
+    for one in range(len(stroke)):
+        x, y = ends[one, 2] - ends[one, 0], ends[one, 3] - ends[one, 1]
+        length[one] = math.sqrt(x * x + y * y)
+        passed[one] = before
+        before += length[one]
+        if one == 0:
+            continue
+        last = one - 1
+        meet = ends[last, 2] == ends[one, 0] and ends[last, 3] == ends[one, 1]
+        if not meet or stroke[last] != stroke[one]:
+            run[one] = run[last] + 1
+            continue
+        run[one] = run[last]
+        u, v = ends[last, 2] - ends[last, 0], ends[last, 3] - ends[last, 1]
+        bends[one] = math.atan2(u * y - v * x, u * x + v * y)
+        kite = math.tan(min(abs(bends[one]), FLAT) / 2)
+        notch = abs(bends[one]) / 2 if bends[one] < 0 else min(kite, MITRE)
+        kites[one] = kite * width / 2
+        lost[one] = (kite - notch) * width * width / 8
+
+
 @compiled(INTERNAL)
-def _meets(
-    segments: Segments,
-    run: ConstIntArray,
-    passed: ConstFloatArray,
-    length: ConstFloatArray,
-    width: float,
-    one: int,
-    other: int,
-) -> bool:
+def _meets(segments: Segments, beads: Beads, width: float, one: int, other: int) -> bool:
     """Whether two beads near each other share room: not those where a stroke only bends."""
+    run, passed, length = beads.run, beads.passed, beads.length
     before, after = (one, other) if one < other else (other, one)
     ahead = passed[after] - passed[before] - length[before]
     if run[other] != run[one] or ahead >= ROUND * width:
@@ -139,115 +158,120 @@ def _meets(
     return ahead >= 1e-9 and along <= BACK * length[one] * length[other]
 
 
-@compiled(UNCOUNTED)
-def _measure(
-    segments: Segments,
-    run: ConstIntArray,
-    passed: ConstFloatArray,
-    length: ConstFloatArray,
-    bends: ConstFloatArray,
-    lost: ConstFloatArray,
-    crowded: BoolArray,
-    width: float,
-    stamp: IntArray,
-    near: IntArray,
-    spans: FloatRows,
-    contacts: FloatRows,
-    areas: FloatArray,
-) -> None:
-    """The area that each bead has to itself where others come near, from places along it.
+@compiled(INTERNAL)
+def _contacts(
+    segments: Segments, beads: Beads, width: float, near: Near, found: int, one: int
+) -> int:
+    """On how many stretches others share the room of a bead, of so many that may be near."""
+    ends, count = segments.ends, 0
+    ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
+    for k in range(found):
+        other = near.found[k]
+        if other == one or not _meets(segments, beads, width, one, other):
+            continue
+        cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+        low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
+        if low <= high:
+            near.contacts[count, 0], near.contacts[count, 1] = low, high
+            count += 1
+    return count
 
-    `areas` come with what each has alone. At its bends, numbers `one` and `one` + 1, a bead has
-    `lost` mm² of that; all beads that are `crowded` are measured, by places.
+
+@compiled(INTERNAL)
+def _own(
+    segments: Segments,
+    near: Near,
+    count: int,
+    x: float,
+    y: float,
+    nx: float,
+    ny: float,
+    share: float,
+    most: float,
+) -> float:
+    """How far from (x, y), a place of a piece, its room goes towards (nx, ny); `most`, mm, if free.
+
+    `share` is where on the piece that is; so many others are near.
+    """
+    ends = segments.ends
+    for k in range(count):
+        if near.spans[k, 0] <= share <= near.spans[k, 1]:
+            other = near.others[k]
+            cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+            most = min(most, _room(x, y, nx, ny, cx, cy, dx, dy))
+    return most
+
+
+@compiled(UNCOUNTED)
+def _share(segments: Segments, beads: Beads, width: float, near: Near, shares: FloatArray) -> None:
+    """The share of its room that each bead has to itself, from places along it where others are.
+
+    Beads are looked at piece by piece, so that few others are near; most lines of a skin have
+    none. Where a kite is longer than its bead, it is no kite, and all of the bead is looked at.
     """
     ends, half, visit = segments.ends, width / 2, 0
-    for one in range(len(length)):
-        if length[one] < 1e-9:
-            continue
-        along_x, along_y = ends[one, 2] - ends[one, 0], ends[one, 3] - ends[one, 1]
-        ux, uy = along_x / length[one], along_y / length[one]
-        # By pieces, so that few others are near; of long beads, those pieces that others come near
-        # to. Most lines of a skin have none.
-        pieces = math.ceil(length[one] / (PIECE * width))
-        touching = 0
-        asked = pieces > FEW and not crowded[one]
-        if asked:
-            ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
+    for one in range(len(shares)):
+        length, before, after = beads.length[one], beads.lost[one], beads.lost[one + 1]
+        whole = length * width
+        area = whole - before - after
+        crowded = length < max(beads.kites[one], beads.kites[one + 1])
+        ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
+        found = contacts = 0
+        if length >= 1e-9:
             visit += 1
-            for k in range(beside(segments, ax, ay, bx, by, width, stamp, visit, near)):
-                other = near[k]
-                if other == one or not _meets(segments, run, passed, length, width, one, other):
-                    continue
-                cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
-                low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
-                if low <= high:
-                    contacts[touching, 0], contacts[touching, 1] = low, high
-                    touching += 1
-        places = min(math.ceil(length[one] / (pieces * STEP * width)), len(ENDS) - 1)
+            found = beside(segments, ax, ay, bx, by, width, near.stamp, visit, near.found)
+            contacts = _contacts(segments, beads, width, near, found, one)
+        pieces = 0
+        if contacts or (crowded and length >= 1e-9):
+            pieces = math.ceil(length / (PIECE * width))
         for piece in range(pieces):
             low, high = piece / pieces, (piece + 1) / pieces
-            alone = asked
-            for k in range(touching):
-                alone &= contacts[k, 0] > high or contacts[k, 1] < low
+            alone = not crowded
+            for k in range(contacts):
+                alone &= near.contacts[k, 0] > high or near.contacts[k, 1] < low
             if alone:
                 continue
-            ax, ay = ends[one, 0] + low * along_x, ends[one, 1] + low * along_y
-            bx, by = ends[one, 0] + high * along_x, ends[one, 1] + high * along_y
-            visit += 1
-            found = beside(segments, ax, ay, bx, by, width, stamp, visit, near)
-            count, shares = 0, crowded[one]
+            px, py = ax + low * (bx - ax), ay + low * (by - ay)
+            qx, qy = ax + high * (bx - ax), ay + high * (by - ay)
+            if pieces > FEW:
+                visit += 1
+                found = beside(segments, px, py, qx, qy, width, near.stamp, visit, near.found)
+            count = 0
             for k in range(found):
-                other = near[k]
+                other = near.found[k]
                 if other == one:
                     continue
                 cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
-                low, high = within(ax, ay, bx, by, cx, cy, dx, dy, TOUCHING * width)
-                if low > high:
-                    continue
-                near[count] = other
-                spans[count, 0], spans[count, 1] = low, high
-                count += 1
-                if not shares and _meets(segments, run, passed, length, width, one, other):
-                    low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
-                    shares = low <= high
-            if not shares:
-                continue
-            long = length[one] / pieces
-            area = 0.0
+                from_, to = within(px, py, qx, qy, cx, cy, dx, dy, TOUCHING * width)
+                if from_ <= to:
+                    near.others[count] = other
+                    near.spans[count, 0], near.spans[count, 1] = from_, to
+                    count += 1
+            long = length / pieces
+            ux, uy = (bx - ax) / length, (by - ay) / length
+            places = min(math.ceil(long / (STEP * width)), len(ENDS) - 1)
+            area -= long * width
             for place in range(places):
                 from_, to = ENDS[places, place], ENDS[places, place + 1]
                 share = (from_ + to) / 2
-                x, y = ax + share * (bx - ax), ay + share * (by - ay)
-                left, right = half, half
-                for k in range(count):
-                    if spans[k, 0] <= share <= spans[k, 1]:
-                        other = near[k]
-                        cx, cy = ends[other, 0], ends[other, 1]
-                        dx, dy = ends[other, 2], ends[other, 3]
-                        left = min(left, _room(x, y, -uy, ux, cx, cy, dx, dy))
-                        right = min(right, _room(x, y, uy, -ux, cx, cy, dx, dy))
+                x, y = px + share * (qx - px), py + share * (qy - py)
+                left = _own(segments, near, count, x, y, -uy, ux, share, half)
+                right = _own(segments, near, count, x, y, uy, -ux, share, half)
                 area += (left + right) * (to - from_) * long
-            room = long * width
             # The notch outside a bend, a fan of which either bead has one half.
             for end in range(2):
                 if piece != (pieces - 1 if end else 0):
                     continue
-                bend = bends[one + end]
-                room -= lost[one + end]
+                bend = beads.bends[one + end]
+                area += beads.lost[one + end]
                 if bend == 0:
                     continue
-                x, y = (bx, by) if end else (ax, ay)
+                x, y = (qx, qy) if end else (px, py)
                 outward = -1.0 if bend > 0 else 1.0
                 for ray in range(1, 4, 2):
                     angle = (bend if end else -bend) * ray / 8
                     sine, cosine = outward * math.sin(angle), outward * math.cos(angle)
                     nx, ny = -uy * cosine - ux * sine, ux * cosine - uy * sine
-                    radius = half
-                    for k in range(count):
-                        if spans[k, 0] <= end <= spans[k, 1]:
-                            other = near[k]
-                            cx, cy = ends[other, 0], ends[other, 1]
-                            dx, dy = ends[other, 2], ends[other, 3]
-                            radius = min(radius, _room(x, y, nx, ny, cx, cy, dx, dy))
+                    radius = _own(segments, near, count, x, y, nx, ny, end, half)
                     area += abs(bend) / 8 * radius * radius
-            areas[one] += area - room
+        shares[one] = min(max(area / max(whole, 1e-12), 0.0), 1.0)

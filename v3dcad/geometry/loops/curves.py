@@ -143,3 +143,31 @@ def _walk(
         curves += 1
         begins[curves] = size
     return curves
+
+
+@compiled(UNCOUNTED)
+def nearest_step(
+    points: ConstFloatRows, first: ConstIntArray, done: BoolArray, x: float, y: float
+) -> tuple[int, float, float]:
+    """Which step of closed curves that are not `done` (c,) comes nearest to (x, y), mm.
+
+    Its number, which is that of the point (p, 2) that it begins at; the share of it that lies
+    before the nearest place; and how far away that is, mm. Curve c has the points first[c] …
+    first[c + 1]. -1 where all are done.
+    """
+    found, before, least = -1, 0.0, math.inf
+    for curve in range(len(done)):
+        if done[curve]:
+            continue
+        low, high = first[curve], first[curve + 1]
+        for k in range(low, high):
+            after = k + 1 if k + 1 < high else low
+            dx, dy = points[after, 0] - points[k, 0], points[after, 1] - points[k, 1]
+            ax, ay = x - points[k, 0], y - points[k, 1]
+            share = (ax * dx + ay * dy) / max(dx * dx + dy * dy, 1e-300)
+            share = min(max(share, 0.0), 1.0)
+            ax, ay = ax - share * dx, ay - share * dy
+            apart = ax * ax + ay * ay
+            if apart < least:
+                found, before, least = k, share, apart
+    return found, before, math.sqrt(least)

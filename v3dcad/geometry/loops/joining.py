@@ -52,12 +52,12 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     measured = loops.measured()
     found = facing(loops, measured, spacing)
     stretch = found.along[:, 1] - found.along[:, 0]
-    middle = found.along.mean(axis=1)
-    owners = np.sort(loops.owner[found.loops], axis=1)
-    walls = owners[:, 0] * OWNERS + owners[:, 1]
+    middle = (found.along[:, 0] + found.along[:, 1]) / 2
+    one, other = loops.owner[found.loops].T
+    walls = np.minimum(one, other) * OWNERS + np.maximum(one, other)
     turn = linked.layer * GOLDEN % 1.0
     phase = (middle / measured.length[found.loops[:, 0]] + turn) % 1.0
-    rest, places = linked.known(walls)
+    rest, places, until = linked.known(walls)
     away = places - found.middle
     stays = ~np.isnan(away[:, 0])
     order = np.lexsort(
@@ -86,8 +86,9 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
         link,
         middles,
     )
-    linked.note(walls[link[:count]], middles[:count])
-    on = found.loops[link[:count]].ravel()
+    link = link[:count]
+    linked.note(walls[link], middles[:count], until[link])
+    on = found.loops[link].ravel()
     return crossed(loops, measured, on, cuts[: 2 * count], shortest)
 
 

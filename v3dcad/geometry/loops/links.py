@@ -26,12 +26,14 @@ class Linked:
         self._until = np.empty(0, np.int64)
         self._places = np.empty((0, 2))
 
-    def known(self, walls: Ints) -> tuple[Ints, Floats]:
-        """(n,) layers since each wall had a link, at most `RESTED`; and (n, 2) where it stays, mm.
+    def known(self, walls: Ints) -> tuple[Ints, Floats, Ints]:
+        """What is known of walls (n,), for `note`, too.
 
-        NaN where no link does.
+        Layers (n,) since each had a link, at most `RESTED`; where it stays (n, 2), mm, NaN where
+        none does; and until which layer (n,) its link stays then, or a new one would.
         """
         rest, places = np.full(len(walls), RESTED), np.full((len(walls), 2), np.nan)
+        until = np.full(len(walls), self.layer + LASTS)
         if len(self._walls):
             place = np.minimum(np.searchsorted(self._walls, walls), len(self._walls) - 1)
             (known,) = np.nonzero(self._walls[place] == walls)
@@ -39,16 +41,16 @@ class Linked:
             rest[known] = self.layer - self._last[place]
             stay = (rest[known] == 1) & (self._until[place] > self.layer)
             places[known[stay]] = self._places[place[stay]]
-        return rest, places
+            until[known[stay]] = self._until[place[stay]]
+        return rest, places, until
 
-    def note(self, walls: Ints, places: Floats) -> None:
-        """Remember the walls that have a link on this layer, and where; go on to the next."""
-        until = np.full(len(walls), self.layer + LASTS)
+    def note(self, walls: Ints, places: Floats, until: Ints) -> None:
+        """Remember the walls that have a link on this layer, and where; go on to the next.
+
+        Each stays `until` (n,) some layer, as `known` told.
+        """
         if self.layer == 0:  # Those of the first layer do not all go at once.
-            until -= np.arange(len(walls)) % LASTS
-        _, stays = self.known(walls)
-        (old,) = np.nonzero(~np.isnan(stays[:, 0]))
-        until[old] = self._until[np.searchsorted(self._walls, walls[old])]
+            until = until - np.arange(len(walls)) % LASTS
         still = self.layer + 1 - self._last < RESTED
         self._walls, first = np.unique(
             np.concatenate([walls, self._walls[still]]), return_index=True

@@ -69,14 +69,11 @@ class Loops(Value):
 
     def measured(self) -> Measured:
         """The loops with how far along each its points lie."""
-        if not len(self.points):
-            return Measured(self.points, self.first, np.zeros(0), np.zeros(len(self.owner)))
-        x, y = (self.points[self.after()] - self.points).T
-        steps = np.sqrt(x * x + y * y)
-        passed = np.cumsum(steps) - steps
-        start = self.first[:-1]
-        at = passed - np.repeat(passed[start], np.diff(self.first))
-        return Measured(self.points, self.first, at, np.add.reduceat(steps, start))
+        found = Measured(
+            self.points, self.first, np.empty(len(self.points)), np.empty(len(self.owner))
+        )
+        _measure(found)
+        return found
 
     def and_these(self, others: Loops) -> Loops:
         """These loops and, after them, others."""
@@ -113,6 +110,19 @@ def place_on(loops: Measured, loop: int, along: float) -> tuple[float, float]:
     x = points[first, 0] + share * (points[after, 0] - points[first, 0])
     y = points[first, 1] + share * (points[after, 1] - points[first, 1])
     return x, y
+
+
+@compiled(UNCOUNTED)
+def _measure(loops: Measured) -> None:
+    points = loops.points
+    for loop in range(len(loops.length)):
+        low, high, passed = loops.first[loop], loops.first[loop + 1], 0.0
+        for k in range(low, high):
+            loops.at[k] = passed
+            after = k + 1 if k + 1 < high else low
+            x, y = points[after, 0] - points[k, 0], points[after, 1] - points[k, 1]
+            passed += math.sqrt(x * x + y * y)
+        loops.length[loop] = passed
 
 
 @compiled(UNCOUNTED)

@@ -31,7 +31,7 @@ class PowerCells:
 
     def __init__(self, sites: Floats, weights: Floats, low: Floats, high: Floats) -> None:
         # Weights count only relative to each other; small ones leave the grid fine.
-        self._weights = np.asarray(weights - np.median(weights))
+        self._weights = np.asarray(weights - (weights.min() + weights.max()) / 2)
         self._sites = np.array(sites, dtype=np.float64)
         self._corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]], np.float64)
         grid = Grid.around(

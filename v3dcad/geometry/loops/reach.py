@@ -10,9 +10,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
     ConstFloatRows,
+    FloatArray,
     FloatRows,
     IntArray,
 )
@@ -37,22 +40,26 @@ class Stretches(NamedTuple):
     """(k,) and ends"""
 
 
-def far_from(start: Floats, stop: Floats, others: Segments, reach: float) -> Stretches:
-    """What of segments from `start` (n, 2) to `stop` (n, 2) lies farther than `reach` from others.
+def far_from(
+    ends: Floats, others: Segments, reach: float, asked: NDArray[np.bool_] | None = None
+) -> Stretches:
+    """What of segments lies farther than `reach` from others, mm.
 
-    All in mm. A stretch may come in several that follow each other.
+    `ends` (n, 4) are x and y of where each begins, and of where it ends. A stretch may come in
+    several that follow each other. Only segments `asked` (n,) are looked at, if that is given.
     """
-    ends = np.concatenate([start, stop], axis=1)
-    count = len(others.ends)
+    if asked is None:
+        asked = np.ones(len(ends), np.bool_)
+    count, room = len(others.ends), len(ends)
     near, spans = np.empty(count + 1, np.int64), np.empty((count, 2))
-    found, room = np.empty(len(start), np.int64), len(start)
     while True:
-        shares = np.empty((room, 2))
-        _leave(ends, others, reach, np.full(count, -1), near, spans, found, shares)
-        room = int(found.sum())
-        if room <= len(shares):
-            low, high = shares[:room].T.copy()
-            return Stretches(np.repeat(np.arange(len(start)), found), low, high)
+        segment, low, high = np.empty(room, np.int64), np.empty(room), np.empty(room)
+        size = _leave(
+            ends, asked, others, reach, np.full(count, -1), near, spans, segment, low, high
+        )
+        if size <= room:
+            return Stretches(segment[:size], low[:size], high[:size])
+        room = size
 
 
 @compiled(INTERNAL)
@@ -121,15 +128,17 @@ def within(
 @compiled(UNCOUNTED)
 def _leave(
     ends: ConstFloatRows,
+    asked: BoolArray,
     others: Segments,
     reach: float,
     stamp: IntArray,
     near: IntArray,
     spans: FloatRows,
-    found: IntArray,
-    shares: FloatRows,
-) -> None:
-    """What others leave of segments: how often, and from where to where as long as there is room.
+    segment: IntArray,
+    begins: FloatArray,
+    stops: FloatArray,
+) -> int:
+    """What others leave of segments: how many stretches; those without room are only counted.
 
     Stretches within reach are kept in order (`spans`) as they come. Where lines are laid much as
     those below, what one lies on, or what follows that, is under the next one, too: these two are
@@ -137,10 +146,11 @@ def _leave(
     """
     size = visit = last = 0
     for one in range(len(ends)):
+        if not asked[one]:
+            continue
         x, y = ends[one, 0], ends[one, 1]
         dx, dy = ends[one, 2] - x, ends[one, 3] - y
         pieces = max(math.ceil(math.sqrt(dx * dx + dy * dy) / (PIECE * reach)), 1)
-        gaps = 0
         for piece in range(pieces):
             ax, ay = x + piece / pieces * dx, y + piece / pieces * dy
             bx, by = x + (piece + 1) / pieces * dx, y + (piece + 1) / pieces * dy
@@ -177,11 +187,11 @@ def _leave(
             for k in range(count + 1):
                 low = spans[k, 0] if k < count else 1.0
                 if low > reached + ROUNDING:
-                    if size < len(shares):
-                        shares[size, 0] = (piece + reached) / pieces
-                        shares[size, 1] = (piece + low) / pieces
+                    if size < len(segment):
+                        segment[size] = one
+                        begins[size] = (piece + reached) / pieces
+                        stops[size] = (piece + low) / pieces
                     size += 1
-                    gaps += 1
                 if k < count:
                     reached = max(reached, spans[k, 1])
-        found[one] = gaps
+    return size

@@ -26,7 +26,7 @@ from v3dcad.model import Floats, Ints
 SHORTEST = 1e-7
 """mm: a shorter chain is none."""
 GRAZING = 1e-6
-"""mm: contours so near to a cell's box are looked at, and points so near to each other are one."""
+"""mm: contours so near to a cell's box are looked at."""
 NUDGE = np.array([3.1, 1.7]) * 1e-11
 """mm by which contours are moved, so that none lies exactly along a cell's side or ends on it: such
 ties would have to be told apart, and rounded numbers cannot (Edelsbrunner and Mücke, "Simulation
@@ -51,15 +51,15 @@ class Region:
         """What convex cells have of the area: the loops around it, each owned by a cell's number.
 
         Cell c has the corners first[c] … first[c + 1], counter-clockwise. The area is on the left
-        of each loop. Loops shorter than `least_length` (mm), or around less than `least_area`
-        (mm²), are left out.
+        of each loop; two of its points may be the same but for rounding. Loops shorter than
+        `least_length` (mm), or around less than `least_area` (mm²), are left out.
         """
-        size = np.diff(first)
         if not len(self._loops.points) or not len(corners):
             return Loops.of([], [])
         begins = np.minimum(first[:-1], len(corners) - 1)
-        middle = np.add.reduceat(corners, begins) / np.maximum(size, 1)[:, None]
-        seen = corners[begins] + NEARLY * (middle - corners[begins])
+        middle = np.add.reduceat(corners, begins) / np.maximum(np.diff(first), 1)[:, None]
+        seen = corners[begins]
+        seen += NEARLY * (middle - seen)
         inside = shapely.contains_xy(self.area, seen)
         rooms = np.array([2 * len(corners) + 4 * len(self._loops.points), len(first) + 64])
         while True:
@@ -70,7 +70,7 @@ class Region:
                 self._after, self._segments, least_length, least_area, points, starts, owner,
             )  # fmt: skip
             if used <= rooms[0] and count <= rooms[1]:
-                return Loops(points[:used], starts[: count + 1], owner[:count]).thinned(GRAZING)
+                return Loops(points[:used], starts[: count + 1], owner[:count])
             rooms = np.maximum(2 * rooms, [used, count])
 
 
