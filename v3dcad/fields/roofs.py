@@ -1,8 +1,8 @@
 """Cells under roofs that are so narrow that skins need not span far.
 
 Cells of a random foam differ so much that the widest one of a section is more than twice as wide as
-most. So under roofs sites stand in a hexagonal pattern, all in the plane where the skin will rest: a
-section through sites of one plane is their own Voronoi diagram, here equal hexagons. From side to
+most. So under roofs sites stand in a hexagonal pattern, all in the plane where the skin will rest.
+A section through sites of one plane is their own Voronoi diagram, here equal hexagons. From side to
 side they are one roof size wide; from corner to corner 1.15, less a wall of two beads.
 """
 
@@ -52,13 +52,21 @@ class Roofs:
 
     @classmethod
     def of(cls, surface: Mesh, size: float) -> Roofs | None:
-        """Those of a part with a surface, if it has any; skins are to span `size` mm at most."""
+        """Those of a part with a surface, if it has any; skins are to span `size` mm at most.
+
+        What is narrower than that, seen from above, needs no cells to rest on.
+        """
         a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
         normals = np.cross(b - a, c - a)
         upward = normals[:, 2] > np.cos(np.radians(FLAT)) * np.linalg.norm(normals, axis=1)
-        if not upward.any():
+        triangles = surface.triangles[upward]
+        flat = shapely.polygons(surface.vertices[triangles][..., :2])
+        seen = shapely.get_parts(shapely.union_all(flat))
+        wide = seen[~shapely.is_empty(shapely.buffer(seen, -size / 2))]
+        if not len(wide):
             return None
-        return cls(Mesh(surface.vertices, surface.triangles[upward]), size)
+        kept, _ = shapely.STRtree(wide).query(shapely.centroid(flat), "within")
+        return cls(Mesh(surface.vertices, triangles[np.sort(kept)]), size)
 
     def finer(self, sizes: Sizes, stretch: float) -> Sizes:
         """Sizes that are at most those of the pattern's hexagons, and away from roofs grow up to
