@@ -49,7 +49,13 @@ from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
-from v3dcad.structure.foam.choice import auto_cell_size, graded_stretch, settled_roof_size
+from v3dcad.structure.foam.choice import (
+    auto_cell_size,
+    graded_stretch,
+    largest_cell_size,
+    settled_roof_size,
+)
+from v3dcad.structure.foam.uniform import refuse_larger
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
 from v3dcad.structure.placement import layer_heights, on_bed
@@ -355,14 +361,7 @@ def fill_sectioned(
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
 
-    def layers_by(sized: FillSettings) -> Sequence[Layer]:
-        return fill_sectioned(found, sized, None, progress).layers
-
-    from v3dcad.cell_size import with_cell_size
-
-    settings, expected = with_cell_size(
-        found.sections, part.bounds, settings, printing or PrintSettings(), layers_by, progress
-    )
+    settings, expected = _with_cell_size(found, settings, printing or PrintSettings(), progress)
     graded: Graded | None = None
     differing = None if sites is not None else cells_of(settings, part)
     if differing is not None:
@@ -384,6 +383,29 @@ def fill_sectioned(
     return Structure(part, part.placement, filling, layers, sites, graded, expected)
 
 
+def _with_cell_size(
+    found: SectionedPart, settings: FillSettings, printing: PrintSettings, progress: Progress
+) -> tuple[FillSettings, Expected | None]:
+    """As `with_cell_size`; where what is asked is too light for cells that are narrow under roofs,
+    and nobody asked for these, they are left out.
+    """
+    from v3dcad.cell_size import with_cell_size
+
+    def layers_by(sized: FillSettings) -> Sequence[Layer]:
+        return fill_sectioned(found, sized, None, progress).layers
+
+    def solved(chosen: FillSettings) -> tuple[FillSettings, Expected | None]:
+        bounds = found.part.bounds
+        return with_cell_size(found.sections, bounds, chosen, printing, layers_by, progress)
+
+    try:
+        return solved(settings)
+    except SettingError:
+        if settings.wish() is None or settings.roof_size != "auto":
+            raise
+    return solved(replace(settings, roof_size="off"))
+
+
 def cells_of(
     settings: FillSettings, part: Part
 ) -> tuple[Callable[[Floats], Floats], Callable[[], Floats]] | None:
@@ -402,13 +424,16 @@ def cells_of(
     if isinstance(size, float | int):
         if roofs is None:
             return None
+        refuse_larger(size, np.array([largest_cell_size(part.bounds, settings)]))
         everywhere = float(size)
         sizes = size_field(lambda x, y, z: everywhere, part)
     else:
         sizes = size_field(size, part)
     if roofs is None:
         return sizes, lambda: np.empty((0, 3))
-    return roofs.finer(sizes, graded_stretch(settings)), roofs.sites
+    from v3dcad.structure.foam.size_grid import SLOPE
+
+    return roofs.finer(sizes, SLOPE, graded_stretch(settings)), roofs.sites
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:

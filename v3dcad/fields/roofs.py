@@ -68,18 +68,16 @@ class Roofs:
         kept, _ = shapely.STRtree(wide).query(shapely.centroid(flat), "within")
         return cls(Mesh(surface.vertices, triangles[np.sort(kept)]), size)
 
-    def finer(self, sizes: Sizes, stretch: float) -> Sizes:
-        """Sizes that are at most those of the pattern's hexagons, and away from roofs grow up to
-        those that are given as fast as cells of a stretch can.
+    def finer(self, sizes: Sizes, slope: float, stretch: float) -> Sizes:
+        """Sizes that are at most those of the pattern's hexagons, and away from roofs grow by
+        `slope` mm a mm, upward 1 / `stretch` of that, up to those that are given.
         """
-        from v3dcad.structure.foam.size_grid import SLOPE
-
         squeezed = np.array([1, 1, 1 / stretch])
         away = distance_to(Mesh(self.surface.vertices * squeezed, self.surface.triangles))
         least = np.sqrt(AREA) * self.size
 
         def field(places: Floats) -> Floats:
-            grown = least + SLOPE * away(*np.ascontiguousarray((places * squeezed).T))
+            grown = least + slope * away(*np.ascontiguousarray((places * squeezed).T))
             return np.asarray(np.minimum(sizes(places), grown))
 
         return field

@@ -14,14 +14,10 @@ import v3dcad
 from tests.geometry.voronoi import oracle
 from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
+from v3dcad.structure.foam.choice import LEAST_TAU, TAU, graded_stretch
 from v3dcad.structure.foam.darts import graded_disk, targets_of
 from v3dcad.structure.foam.explicit import explicit_sites
-from v3dcad.structure.foam.graded import (
-    LEAST_TAU,
-    TAU,
-    graded_sites,
-    graded_stretch,
-)
+from v3dcad.structure.foam.graded import graded_sites
 from v3dcad.structure.foam.size_grid import sampled
 from v3dcad.structure.foam.space import space_of
 

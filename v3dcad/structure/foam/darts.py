@@ -37,7 +37,7 @@ DENSEST = 1.5
 """More sites than this in a cube of the radius keep no distance of a radius: √2 are the most."""
 
 
-BESIDE = 1.2
+BESIDE = 1.1
 """In radii: of two sites nearer than this, neither may stand over the other."""
 
 
