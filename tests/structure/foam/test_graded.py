@@ -198,7 +198,8 @@ def test_darts_keep_the_mean_of_their_radii():
     found = sampled(lambda at: 0.5 + 0.2 * at[:, 0], np.zeros(3), np.full(3, 5.0))
     inside = np.array([[0.0] * 3, [5.0] * 3])
     wanted = np.array([[2.5, 2.5, 2.5], [2.5, 2.5, 2.8], [9.0, 2.5, 2.5]])
-    places, radii, kept = graded_disk(found.grid, targets_of(found.grid, inside, 2.0), 0, wanted)
+    targets = targets_of(found.grid, inside, 2.0)
+    places, radii, kept = graded_disk(found.grid, targets, 0, wanted, 1.1)
     assert len(places) > 100
     # What is wanted comes first, but not straight over another, nor far outside.
     assert kept == 1

@@ -37,10 +37,6 @@ DENSEST = 1.5
 """More sites than this in a cube of the radius keep no distance of a radius: √2 are the most."""
 
 
-BESIDE = 1.1
-"""In radii: of two sites nearer than this, neither may stand over the other."""
-
-
 class Targets(NamedTuple):
     """Cubes at which darts are thrown: in a box and so far around it as sites are needed."""
 
@@ -138,13 +134,15 @@ def put(
     grid: SizeGrid,
     targets: Targets,
     wanted: FloatRows,
+    clear: float,
     places: FloatRows,
     radii: FloatArray,
 ) -> int:
     """Put sites where they are wanted (m, 3), with the grid's radii there; returns how many.
 
     Writes places (n, 3) and radii (n,). One is left out that is farther outside than the targets'
-    pad, and one that would stand over or under an earlier one: the wall between them would lean.
+    pad, and one that would stand over or under an earlier one within `clear` radii: the wall between
+    them would lean.
     """
     names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
     at, count = np.empty(3), 0
@@ -154,7 +152,7 @@ def put(
         if is_far(targets, at, radius) or count == len(places):
             continue
         free = True
-        for near in range(gather(bins, places, at, BESIDE * radius, names, offsets, squares)):
+        for near in range(gather(bins, places, at, clear * radius, names, offsets, squares)):
             free &= 2 * offsets[near, 2] ** 2 < squares[near]
         if free:
             places[count], radii[count] = at, radius
@@ -233,11 +231,12 @@ def targets_of(grid: SizeGrid, inside: Floats, pad: float) -> Targets:
 
 
 def graded_disk(
-    grid: SizeGrid, targets: Targets, random_seed: int, wanted: Floats
+    grid: SizeGrid, targets: Targets, random_seed: int, wanted: Floats, clear: float
 ) -> tuple[Floats, Floats, int]:
     """Sites (n, 3), their radii (n,) as a grid has them, and how many of the first are wanted ones.
 
-    The others are random, and none of these is nearer to another site than the mean of their radii.
+    Of wanted sites that stand over each other within `clear` radii only the first are taken. The
+    others are random, and none of these is nearer to another site than the mean of their radii.
     As many darts are thrown as `DARTS` says, at random with the density of sites, at the grid's
     targets.
     """
@@ -250,6 +249,6 @@ def graded_disk(
     places, radii = np.empty((capacity, 3)), np.empty(capacity)
     darts = int(DARTS * EXPECTED * cubes) + DARTS
     state = np.array([random_seed], np.uint64)
-    first = put(bins, grid, targets, np.ascontiguousarray(wanted), places, radii)
+    first = put(bins, grid, targets, np.ascontiguousarray(wanted), clear, places, radii)
     count = throw_graded(bins, grid, targets, darts, places, radii, first, state)
     return places[:count], radii[:count], first

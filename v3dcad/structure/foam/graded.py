@@ -35,12 +35,15 @@ MOST = 10_000_000
 """Sites of a graded foam."""
 
 TRIES = 3
-"""How often it is tried to find sites that are certified. Only the first time sites are held where
-they are wanted."""
+"""How often it is tried to find sites that are certified, none held where it is wanted"""
 
-EFFORT, HELD_EFFORT = 20_000, 1_000
-"""How often sites are moved on average before a try is given up; with the patterns under roofs of
-ten parts it took 25 to 450."""
+CLEAR = (1.1, 2.5)
+"""and before that, with those held that do not stand over others within so many radii: patterns
+over each other, about two radii apart, leave the sites between them no room to move."""
+
+HELD_EFFORT, EFFORT = 600, 20_000
+"""How often sites are moved on average before a try is given up. Around patterns under roofs 25 to
+500 times did; other random numbers are the quicker way out of a knot."""
 
 SAME = 0.02
 """A made size that differs less from the asked one counts as it."""
@@ -75,7 +78,7 @@ def graded_sites(
 
     `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
     are 1 / size² cells a mm² of a horizontal section. Sites stand where they are `wanted` (m, 3),
-    mm, unless walls would lean too much. Raises `SettingError` for more than `MOST`
+    mm, if walls allow it. Raises `SettingError` for more than `MOST`
     sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
     where no sites can be found whose walls all lean at most `settings.max_overhang`.
     """
@@ -100,12 +103,12 @@ def graded_sites(
     first = wanted() * squeezed
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
-    for attempt in range(TRIES):
+    for clear in [*(CLEAR if len(first) else ()), *(None,) * TRIES]:
         seed = int(random_bits(state)) >> 1
         progress("scattering cells", 0, 1)
         try:
-            places, radii, held = graded_disk(grid, targets, seed, first)
-            held = 0 if attempt else held
+            places, radii, held = graded_disk(grid, targets, seed, first, clear or CLEAR[-1])
+            held = held if clear else 0
             if settings.max_overhang < 90:
                 tau = stretch * float(np.tan(np.radians(settings.max_overhang)))
                 places = _straightened(places, radii, held, inside, tau, seed, progress)

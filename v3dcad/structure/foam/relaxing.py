@@ -32,9 +32,6 @@ APART = 200
 REACH = 3.0
 """In radii: how far from its first site a cluster is solved. What is farther is the next one's."""
 
-WITHSTOOD = 20
-"""Kicks that a site which is held withstands before it moves like any other."""
-
 SMALLEST_BOX = 4.0
 """In radii: in a smaller box sites are neighbours of their own copies."""
 
@@ -68,7 +65,7 @@ def _foam_of(
     foam = Foam(
         bins=bins,
         places=places.copy(),
-        held=np.where(np.arange(sites) < held, WITHSTOOD, 0),
+        held=held,
         radii=radii,
         low=inside[0].copy(),
         high=inside[1].copy(),
@@ -141,8 +138,7 @@ def relax_inside(
 ) -> Floats:
     """Sites (n, 3) in and around a box (2, 3) moved until no wall in it leans more than τ allows.
 
-    Their radii (n,) may differ. The first `held` sites stay where they are unless walls there go on
-    leaning. All else as `relax`.
+    Their radii (n,) may differ. The first `held` sites stay where they are. All else as `relax`.
     """
     low, high = places.min(axis=0), places.max(axis=0)
     bins = bins_of(places, low, high, periodic=False)
