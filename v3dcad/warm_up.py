@@ -49,6 +49,7 @@ PRINT = (
     "v3dcad.geometry.loops.power_cells",
     "v3dcad.geometry.loops.region",
     "v3dcad.geometry.loops.curves",
+    "v3dcad.geometry.loops.wall_ends",
     "v3dcad.geometry.loops.joining",
     "v3dcad.geometry.loops.corners",
     "v3dcad.geometry.loops.coverage",

@@ -14,7 +14,7 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bridged_walls import LEAST, Bridged, with_bridged_walls
 from v3dcad.toolpath.overhang import hanging
 from v3dcad.toolpath.report import LayerReport
-from v3dcad.toolpath.stroke import Stroke, capped
+from v3dcad.toolpath.stroke import Stroke, lines_of
 from v3dcad.toolpath.trace import trace
 
 W = 0.45
@@ -28,7 +28,7 @@ def stroke(points: Floats, *features: int) -> Stroke:
 
 
 def bridged(strokes: list[Stroke], below: Segments) -> Bridged:
-    hang = far_from(capped(strokes, W)[1].ends, below, W / 2)
+    hang = far_from(lines_of(strokes, W).segments.ends, below, W / 2)
     return with_bridged_walls(strokes, hang, W, SHORTEST)
 
 

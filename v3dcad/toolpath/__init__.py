@@ -18,7 +18,7 @@ bead        the cross-section of a bead
 bridged_walls  walls that hang, laid as bridges
 beads       strokes laid as beads, with travels between them
 trace       `trace`: layers to toolpaths
-overlapped  the next layer planned while the last one is laid
+overlapped  the next layer planned while the last one is measured
 plastic     how much plastic layers take, from some of them
 overhang    what of the beads has nothing under it, layer by layer
 certificate the same for a whole print, as arrays and in words

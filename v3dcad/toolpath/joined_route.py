@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry import arcs
-from v3dcad.geometry.loops.corners import links_rounded
+from v3dcad.geometry.loops.corners import corners_cut
 from v3dcad.geometry.loops.curves import GRID, Curves, nearest_step
 from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import Linked
@@ -58,8 +58,8 @@ def joined_curves(
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
     loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
-    loops = loops.thinned(max(shortest, GRID))
-    return links_rounded(joined(loops, spacing, linked, shortest), shortest)
+    curves = joined(loops.thinned(max(shortest, GRID)), spacing, linked, shortest)
+    return corners_cut(curves, spacing, shortest)
 
 
 def in_order(

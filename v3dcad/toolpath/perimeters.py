@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -18,8 +19,12 @@ ONE = 1e-9
 """mm: corners nearer to each other are one."""
 
 
+@lru_cache(maxsize=64)
 def inset(area: shapely.Geometry, distance: float) -> shapely.Geometry:
-    """What of an area lies deeper than `distance` (mm) inside it; negative: the area grown."""
+    """What of an area lies deeper than `distance` (mm) inside it; negative: the area grown.
+
+    Upright walls have the same section on many layers, whose insets are kept for a while.
+    """
     if distance == 0:
         return area
     try:

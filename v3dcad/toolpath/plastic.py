@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
@@ -33,7 +34,7 @@ from v3dcad.toolpath.first_layer import cuts
 from v3dcad.toolpath.plan import Plan, divided
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import NOTHING, shells
-from v3dcad.toolpath.stroke import capped
+from v3dcad.toolpath.stroke import capped, lines_of
 
 SAMPLED = 24
 """Layers on which beads are laid, for each kind of room."""
@@ -123,7 +124,8 @@ class Rooms:
             layer, area, printed.skin, settings, first, spacing, Linked(), seams, None, False
         )
         lengths = np.zeros(FEATURES)
-        for stroke in capped(list(plan.strokes(np.zeros(2))), spacing)[0]:
+        strokes = list(plan.strokes(np.zeros(2)))
+        for stroke in capped(strokes, covered(*lines_of(strokes, spacing), spacing)):
             np.add.at(lengths, stroke.feature, stroke.laid)
         volumes = lengths * bead_areas(settings, printed.height, first=first)
         volumes[SOLID] *= printed.skin_flow

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import BRIDGE, Bytes, Floats, Ints
 
@@ -39,36 +39,47 @@ def way_back(points: Floats, length: float) -> Floats:
     return np.vstack([back[passed], last])
 
 
-def capped(strokes: Sequence[Stroke], spacing: float) -> tuple[list[Stroke], Segments]:
-    """The strokes of a layer with no more bead than there is room for, beads `spacing` (mm) wide.
+class Lines(NamedTuple):
+    """The lines that the strokes of a layer follow, each once."""
 
-    Where beads come nearer to each other than that, as in narrow tips, thin parts and junctions of
-    walls of one bead, each gets what lies nearest to it. Of a line that is passed twice, half is
-    laid each time. Bridges are laid in full: they hang free, with a flow of their own. Beside the
-    strokes come all lines that they follow, each once.
+    segments: Segments
+    stroke: Ints
+    """(n,) whose each is"""
+
+
+def lines_of(strokes: Sequence[Stroke], spacing: float) -> Lines:
+    """The lines of strokes, for beads that lie `spacing` apart, mm."""
+    start, stop = [np.empty((0, 2))], [np.empty((0, 2))]
+    for one in strokes:
+        on = slice(None) if one.other is None else _first(one.other)
+        start.append(one.points[:-1][on])
+        stop.append(one.points[1:][on])
+    counts = [len(points) for points in start[1:]]
+    segments = Segments.of(np.concatenate(start), np.concatenate(stop), spacing)
+    return Lines(segments, np.repeat(np.arange(len(strokes)), counts))
+
+
+def capped(strokes: Sequence[Stroke], room: Floats) -> list[Stroke]:
+    """The strokes of a layer with no more bead than there is room for.
+
+    `room` (n,) is the share that each of their lines has to itself, as `covered` tells. Of a line
+    that is passed twice, half is laid each time. Bridges are laid in full: they hang free, with a
+    flow of their own.
     """
-    first = [
-        np.ones(len(one.laid), np.bool_) if one.other is None
-        else np.arange(len(one.laid)) <= one.other
-        for one in strokes
-    ]  # fmt: skip
-    start, stop = (
-        np.concatenate([
-            np.empty((0, 2)),
-            *(one.points[ends][on] for one, on in zip(strokes, first, strict=True)),
-        ])
-        for ends in (slice(None, -1), slice(1, None))
-    )  # fmt: skip
-    lines = Segments.of(start, stop, spacing)
-    counts = [int(on.sum()) for on in first]
-    share = covered(lines, np.repeat(np.arange(len(strokes)), counts), spacing)
-    fed = []
-    parts = np.split(share, np.cumsum(counts))[:-1]
-    for one, on, part in zip(strokes, first, parts, strict=True):
+    fed, used = [], 0
+    for one in strokes:
+        on = np.ones(len(one.laid), np.bool_) if one.other is None else _first(one.other)
+        count = int(np.count_nonzero(on))
         amount = one.laid.copy()
-        amount[on] *= np.where(one.feature[on] == BRIDGE, 1.0, part)
+        amount[on] *= np.where(one.feature[on] == BRIDGE, 1.0, room[used : used + count])
         if one.other is not None:
             amount = np.where(on, amount, amount[one.other])
             amount[one.other != np.arange(len(amount))] /= 2
         fed.append(one._replace(laid=amount))
-    return fed, lines
+        used += count
+    return fed
+
+
+def _first(other: Ints) -> NDArray[np.bool_]:
+    """Which steps are the first to pass their line, given the other one that passes it."""
+    return np.arange(len(other)) <= other

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.geometry.loops.segments import Segments
-from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Layer, Toolpath
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_spacing
 from v3dcad.toolpath.beads import Nozzle
@@ -26,7 +27,7 @@ from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.skins import shells
-from v3dcad.toolpath.stroke import Stroke, capped
+from v3dcad.toolpath.stroke import Lines, Stroke, capped, lines_of
 from v3dcad.toolpath.travel import Traveller
 
 OF_THE_PART = (CELLS, PERIMETER, INNER_PERIMETER, SOLID, BRIDGE)
@@ -50,9 +51,9 @@ def trace(
     last one is laid and the next one planned. Raises `GeometryError` where layers do not ascend,
     where beads span more than `fail_over`, and at the end where nothing of the part was printed.
     """
-    measuring, laying = _Measuring(settings), _Laying(settings, told=report is not None)
+    laying = _Laying(settings, told=report is not None)
     traced = made = False
-    for measured in overlapped(measuring.measured, _planned(layers, settings, thesis)):
+    for measured in overlapped(_measured, _planned(layers, settings, thesis)):
         toolpath, found = laying.laid(measured)
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None and found is not None:
@@ -70,6 +71,9 @@ class _Planned(NamedTuple):
 
     plan: Plan
     strokes: list[Stroke]
+    lines: Lines
+    below: Segments | None
+    """the lines of the layer below; None on the bed"""
     level: float
     """mm above the bed, where beads end; 0 where nothing is printed yet"""
     height: float
@@ -80,6 +84,7 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
     """What is printed on each layer, from where the last one ends."""
     linked, seams, here = Linked(), Seams(settings.seam), np.zeros(2)
     below: Below | None = None
+    under: Segments | None = None
     level = above = spacing = height = 0.0
     # A layer waits for its skin, which sections above have a say in.
     waiting, ahead = tee(layers)
@@ -102,38 +107,31 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
         strokes = list(plan.strokes(here)) if printed else []
         if strokes:
             here = strokes[-1].points[-1]
+        lines = lines_of(strokes, spacing)
+        yield _Planned(plan, strokes, lines, under, level, height)
         if printed:
+            under = lines.segments
             below = Below(area, plan.foam, layer.diagram, settings.wall_width())
-        yield _Planned(plan, strokes, level, height)
 
 
 class _Measured(NamedTuple):
-    """A layer whose strokes have no more bead than room."""
+    """A layer, and what of its beads has room and lies on others."""
 
     planned: _Planned
-    strokes: list[Stroke]
-    below: Segments | None
-    """the beads of the layer below; None on the bed"""
+    room: Floats
+    """(n,) what share of its room each line has to itself"""
     hang: Stretches | None
-    """where steps hang, if each lays a bead of its own: walls of one bead are passed twice"""
+    """where lines hang, if each is one step: walls of one bead are passed twice"""
 
 
-class _Measuring:
-    """What measures strokes, layer by layer: how much room there is, and what hangs over what."""
-
-    def __init__(self, settings: PrintSettings) -> None:
-        self._settings = settings
-        self._below: Segments | None = None
-
-    def measured(self, planned: _Planned) -> _Measured:
-        """The next layer. This is what takes most of the time."""
-        strokes, lines = capped(planned.strokes, planned.plan.spacing)
-        below, hang = self._below, None
-        if below is not None and self._settings.wall_beads == 2:
-            hang = far_from(lines.ends, below, self._settings.bead_width / 2)
-        if planned.level:
-            self._below = lines
-        return _Measured(planned, strokes, below, hang)
+def _measured(planned: _Planned) -> _Measured:
+    """What takes most of the time, and no other layer."""
+    plan, _, lines, below, _, _ = planned
+    room = covered(*lines, plan.spacing)
+    if below is None or plan.settings.wall_beads == 1:
+        return _Measured(planned, room, None)
+    hang = far_from(lines.segments.ends, below, plan.settings.bead_width / 2)
+    return _Measured(planned, room, hang)
 
 
 class _Laying:
@@ -146,8 +144,9 @@ class _Laying:
 
     def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        (plan, _, level, height), strokes, below, hang = measured
+        (plan, strokes, _, below, level, height), room, hang = measured
         settings, nozzle = self._settings, self._nozzle
+        strokes = capped(strokes, room)
         if level:
             nozzle.rise(
                 level, height, Traveller(plan.area, settings.bead_width / 4), first=plan.first

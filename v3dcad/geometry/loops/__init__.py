@@ -8,7 +8,8 @@ facing       where two loops face each other
 reach        which stretches of segments lie far from all others
 coverage     what room each bead has to itself
 links        which walls have links, and where, from layer to layer
+wall_ends    what a link at either end of a wall costs in changes of direction
 joining      which loops are linked, and where: a spanning forest of those that face each other
 curves       loops cut at links and joined crosswise
-corners      corners at links cut off
+corners      corners cut off, at links and of cells
 """

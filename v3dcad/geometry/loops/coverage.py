@@ -28,8 +28,9 @@ MITRE = math.tan(math.pi / 3)
 """A notch is filled as far as that of a turn by 120°."""
 FLAT = 3.1
 """Turns, in radians, count as no larger."""
-BACK = -0.2
-"""The cosine between two beads of a stroke that run back rather than on."""
+BACK = -0.75
+"""The cosine between two beads of a stroke that run back rather than on. In a half turn by eighths,
+as at links, each only bends from the last."""
 PIECE = 4.0
 """Bead widths: longer beads are looked at piece by piece."""
 FEW = 2
@@ -54,7 +55,7 @@ class Beads(NamedTuple):
     bends: FloatArray
     """(n + 1,) radians, to the left"""
     kites: FloatArray
-    """(n + 1,) mm along both beads at a bend that one half of them covers twice"""
+    """(n + 1,) mm along either bead at a bend, on whose inside both lie in the same room"""
     lost: FloatArray
     """(n + 1,) mm² of each of the two beads that have no room there"""
 
@@ -87,8 +88,7 @@ def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
     amounts, bends, rows = np.empty((3, count)), np.zeros((3, count + 1)), np.empty((2, count, 2))
     beads = Beads(run, *amounts[:2], *bends)
     near = Near(np.full(count, -1), numbers[0], rows[0], numbers[1], rows[1])
-    _follow(segments.ends, stroke, width, beads)
-    _share(segments, beads, width, near, amounts[2])
+    _share(segments, stroke, width, beads, near, amounts[2])
     return amounts[2]
 
 
@@ -118,7 +118,7 @@ def _room(
     return (rest + share * (2 * mixed + share * square)) / (2 * ahead)
 
 
-@compiled(UNCOUNTED)
+@compiled(INTERNAL)
 def _follow(ends: FloatRows, stroke: ConstIntArray, width: float, beads: Beads) -> None:
     """Fill in how beads follow each other."""
     run, passed, length, bends, kites, lost = beads
@@ -202,18 +202,80 @@ def _own(
     return most
 
 
+@compiled(INTERNAL)
+def _around(
+    segments: Segments,
+    width: float,
+    near: Near,
+    found: int,
+    one: int,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+) -> int:
+    """How many others, of those `found`, are near a piece a → b of a bead; `near` has them."""
+    ends, count = segments.ends, 0
+    for k in range(found):
+        other = near.found[k]
+        if other == one:
+            continue
+        cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
+        low, high = within(ax, ay, bx, by, cx, cy, dx, dy, TOUCHING * width)
+        if low <= high:
+            near.others[count] = other
+            near.spans[count, 0], near.spans[count, 1] = low, high
+            count += 1
+    return count
+
+
+@compiled(INTERNAL)
+def _fan(
+    segments: Segments,
+    near: Near,
+    count: int,
+    x: float,
+    y: float,
+    ux: float,
+    uy: float,
+    bend: float,
+    end: int,
+    most: float,
+) -> float:
+    """What a bead in the direction (ux, uy) has of the notch outside a bend at one end, (x, y).
+
+    Mm²: half of the fan there, by two rays; `most` is its radius, mm, where nothing is near.
+    """
+    area, outward = 0.0, -1.0 if bend > 0 else 1.0
+    for ray in range(1, 4, 2):
+        angle = (bend if end else -bend) * ray / 8
+        sine, cosine = outward * math.sin(angle), outward * math.cos(angle)
+        nx, ny = -uy * cosine - ux * sine, ux * cosine - uy * sine
+        radius = _own(segments, near, count, x, y, nx, ny, end, most)
+        area += abs(bend) / 8 * radius * radius
+    return area
+
+
 @compiled(UNCOUNTED)
-def _share(segments: Segments, beads: Beads, width: float, near: Near, shares: FloatArray) -> None:
+def _share(
+    segments: Segments,
+    stroke: ConstIntArray,
+    width: float,
+    beads: Beads,
+    near: Near,
+    shares: FloatArray,
+) -> None:
     """The share of its room that each bead has to itself, from places along it where others are.
 
     Beads are looked at piece by piece, so that few others are near; most lines of a skin have
     none. Where a kite is longer than its bead, it is no kite, and all of the bead is looked at.
     """
     ends, half, visit = segments.ends, width / 2, 0
+    _follow(ends, stroke, width, beads)
     for one in range(len(shares)):
-        length, before, after = beads.length[one], beads.lost[one], beads.lost[one + 1]
+        length = beads.length[one]
         whole = length * width
-        area = whole - before - after
+        area = whole - beads.lost[one] - beads.lost[one + 1]
         crowded = length < max(beads.kites[one], beads.kites[one + 1])
         ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
         found = contacts = 0
@@ -236,17 +298,7 @@ def _share(segments: Segments, beads: Beads, width: float, near: Near, shares: F
             if pieces > FEW:
                 visit += 1
                 found = beside(segments, px, py, qx, qy, width, near.stamp, visit, near.found)
-            count = 0
-            for k in range(found):
-                other = near.found[k]
-                if other == one:
-                    continue
-                cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
-                from_, to = within(px, py, qx, qy, cx, cy, dx, dy, TOUCHING * width)
-                if from_ <= to:
-                    near.others[count] = other
-                    near.spans[count, 0], near.spans[count, 1] = from_, to
-                    count += 1
+            count = _around(segments, width, near, found, one, px, py, qx, qy)
             long = length / pieces
             ux, uy = (bx - ax) / length, (by - ay) / length
             places = min(math.ceil(long / (STEP * width)), len(ENDS) - 1)
@@ -258,20 +310,10 @@ def _share(segments: Segments, beads: Beads, width: float, near: Near, shares: F
                 left = _own(segments, near, count, x, y, -uy, ux, share, half)
                 right = _own(segments, near, count, x, y, uy, -ux, share, half)
                 area += (left + right) * (to - from_) * long
-            # The notch outside a bend, a fan of which either bead has one half.
             for end in range(2):
-                if piece != (pieces - 1 if end else 0):
-                    continue
-                bend = beads.bends[one + end]
-                area += beads.lost[one + end]
-                if bend == 0:
-                    continue
-                x, y = (qx, qy) if end else (px, py)
-                outward = -1.0 if bend > 0 else 1.0
-                for ray in range(1, 4, 2):
-                    angle = (bend if end else -bend) * ray / 8
-                    sine, cosine = outward * math.sin(angle), outward * math.cos(angle)
-                    nx, ny = -uy * cosine - ux * sine, ux * cosine - uy * sine
-                    radius = _own(segments, near, count, x, y, nx, ny, end, half)
-                    area += abs(bend) / 8 * radius * radius
+                if piece == (pieces - 1 if end else 0):
+                    bend, (x, y) = beads.bends[one + end], (qx, qy) if end else (px, py)
+                    area += beads.lost[one + end]
+                    if bend != 0:
+                        area += _fan(segments, near, count, x, y, ux, uy, bend, end, half)
         shares[one] = min(max(area / max(whole, 1e-12), 0.0), 1.0)

@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
     ConstFloatArray,
     ConstFloatRows,
     ConstIntArray,
@@ -20,22 +21,23 @@ from v3dcad.geometry.compiled.arrays import (
     IntArray,
 )
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
-from v3dcad.geometry.loops.curves import GRID, Curves, crossed
+from v3dcad.geometry.loops.curves import Curves, crossed
 from v3dcad.geometry.loops.facing import SLACK, facing
 from v3dcad.geometry.loops.links import RESTED, Linked
 from v3dcad.geometry.loops.loops import Loops, Measured, place_on
+from v3dcad.geometry.loops.wall_ends import wall_ends
 
 GOLDEN = (math.sqrt(5) - 1) / 2
 ROOM = 0.5
 """Bead spacings between two cuts of a loop."""
-LONG = 6.0
-"""Bead spacings: a stretch longer than this is no better a place than one of this length."""
-SNAP = 0.5
-"""Bead spacings from an end of its wall within which a link goes on to lie at that end."""
+WIDE = 0.9
+"""Bead spacings of a cut: somewhat less than one, so that less hangs over it where walls move."""
 LEAST_GAP = 0.6
 """A link is at least so many bead spacings wide."""
-TRIALS = 6
+TRIALS = 5
 """Places on a wall at which a link is tried."""
+COSTS = 8
+"""Links whose costs differ by less than one part in so many are as good as each other."""
 OWNERS = 2**32
 """More than there are owners."""
 
@@ -43,10 +45,10 @@ OWNERS = 2**32
 def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) -> Curves:
     """The loops joined as far as they face each other, in one closed curve for each group.
 
-    Kruskal's spanning forest: links as wide as the `spacing` (mm) first, those that stay where they
-    are (`linked` remembers), then walls that have rested longest, then long ones. A new link lies
-    at one end of its wall, where it takes the place of two corners, which costs the least time; at
-    which end goes by the golden ratio from layer to layer, so that links seldom lie above others.
+    Kruskal's spanning forest: walls longer than the `spacing` (mm) first, of these the ones whose
+    link stays (`linked` remembers), then those that have rested; of these the ones where a link
+    costs least. A link lies at an end of its wall and goes from corner to corner, whose place it
+    takes; a new one at the end where that costs less, one that stays at the end where it is.
     Corners nearer than `shortest` (mm) to a cut are left out.
     """
     measured = loops.measured()
@@ -60,11 +62,14 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     rest, places, until = linked.known(walls)
     away = places - found.middle
     stays = ~np.isnan(away[:, 0])
+    ends = wall_ends(measured, found, spacing)
+    cost = np.rint(ends.cost * COSTS)
+    begins = np.where(stays, (away * found.ahead).sum(axis=1) < 0, cost[:, 0] < cost[:, 1])
     order = np.lexsort(
         (
             np.where(stays, (away**2).sum(axis=1), phase),
-            np.where(stays, 0, -np.rint(np.minimum(stretch, LONG * spacing) / spacing * 8)),
-            np.where(stays, -RESTED - 1, -rest),
+            np.where(stays, 0, cost.min(axis=1)),
+            np.where(stays, -1, rest < RESTED),
             stretch < spacing,
         )
     )
@@ -76,7 +81,8 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
         found.loops,
         found.along,
         found.beyond,
-        middle + (away * found.ahead).sum(axis=1),
+        begins,
+        ends.shift,
         spacing,
         turn,
         np.arange(len(loops.owner)),
@@ -132,17 +138,10 @@ def _apart(loops: Measured, one: int, other: int, along: float, faced: float) ->
 
 
 @compiled(INTERNAL)
-def _share(trial: int, wanted: float, slide: float, turn: float, spacing: float) -> float:
-    """At which share of a wall's length a link is tried, where it can `slide` so far; NaN: not."""
-    end = 0.0 if turn < 0.5 else 1.0
-    if trial > 0:
-        return (end, 1 - end, turn, 1 - turn, 0.5)[trial - 1]
-    share = wanted / max(slide, GRID)
-    if share * slide < SNAP * spacing:
-        return 0.0
-    if (1 - share) * slide < SNAP * spacing:
-        return 1.0
-    return share
+def _share(trial: int, begins: bool, turn: float) -> float:
+    """At which share of its wall's length a link is tried."""
+    end = 0.0 if begins else 1.0
+    return (end, 1 - end, turn, 1 - turn, 0.5)[trial]
 
 
 @compiled(UNCOUNTED)
@@ -152,7 +151,8 @@ def _choose(
     pairs: ConstIntRows,
     along: ConstFloatRows,
     beyond: ConstFloatArray,
-    wanted: ConstFloatArray,
+    begins: BoolArray,
+    shift: ConstFloatRows,
     spacing: float,
     turn: float,
     parent: IntArray,
@@ -164,27 +164,31 @@ def _choose(
 ) -> int:
     """Kruskal's forest: for each link its stretch in `link`, two rows of `cuts`, and its middle.
 
-    Where on the first loop a link is `wanted`, mm along it, is tried first. `parent` has the trees
-    so far, `latest` the last cut of each loop, `earlier` the one before each cut.
+    Whether a link is tried first where its wall `begins` is given; how far a cut at either end of a
+    wall is moved, by `shift`. `parent` has the trees so far, `latest` the last cut of each loop,
+    `earlier` the one before each cut.
     """
-    count, room, least = 0, ROOM * spacing, LEAST_GAP * spacing
+    count, room, least, wide = 0, ROOM * spacing, LEAST_GAP * spacing, WIDE * spacing
     for k in order:
         one, other = pairs[k, 0], pairs[k, 1]
         if _root(parent, one) == _root(parent, other):
             continue
         low, high = along[k, 0], along[k, 1]
         for narrow in range(2):
-            gap = min(spacing, high - low) if narrow else spacing
+            gap = min(wide, high - low) if narrow else wide
             slide, done = max(high - low - gap, 0.0), False
             for trial in range(TRIALS if gap >= least else 0):
-                share = _share(trial, wanted[k] - low - gap / 2, slide, turn, spacing)
-                if math.isnan(share):
-                    continue
+                share = _share(trial, begins[k], turn)
                 middle = low + gap / 2 + share * slide if slide > 0 else (low + high) / 2
                 start, stop = middle - gap / 2, middle + gap / 2
                 faced_start, faced_stop = beyond[k] - stop, beyond[k] - start
                 near = _apart(loops, one, other, start, faced_stop)
                 far = _apart(loops, one, other, stop, faced_start)
+                if share == 0 or share == 1:
+                    end = 2 * int(share)
+                    start, stop = start + shift[k, end], stop + shift[k, end]
+                    faced_start += shift[k, end + 1]
+                    faced_stop += shift[k, end + 1]
                 done = (
                     max(abs(near - spacing), abs(far - spacing)) <= SLACK * spacing
                     and _free(start, stop, loops.length[one], room, latest[one], earlier, cuts)

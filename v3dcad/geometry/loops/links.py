@@ -6,9 +6,9 @@ import numpy as np
 
 from v3dcad.model import Floats, Ints
 
-LASTS = 6
+LASTS = 10
 """Layers for which a link stays where it is."""
-RESTED = 2 * LASTS
+RESTED = LASTS
 """Layers after which a wall may have a link as if it never had had one."""
 
 

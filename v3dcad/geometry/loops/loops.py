@@ -91,10 +91,8 @@ class Loops(Value):
 
 
 @compiled(INTERNAL)
-def place_on(loops: Measured, loop: int, along: float) -> tuple[float, float]:
-    """The point `along` mm on a loop; `along` may go round it."""
-    length = loops.length[loop]
-    along -= math.floor(along / length) * length
+def point_before(loops: Measured, loop: int, along: float) -> int:
+    """The number of the last point of a loop that lies not beyond `along` mm on it."""
     first, last = loops.first[loop], loops.first[loop + 1]
     while last - first > 1:
         middle = (first + last) // 2
@@ -102,6 +100,15 @@ def place_on(loops: Measured, loop: int, along: float) -> tuple[float, float]:
             first = middle
         else:
             last = middle
+    return first
+
+
+@compiled(INTERNAL)
+def place_on(loops: Measured, loop: int, along: float) -> tuple[float, float]:
+    """The point `along` mm on a loop; `along` may go round it."""
+    length = loops.length[loop]
+    along -= math.floor(along / length) * length
+    first = point_before(loops, loop, along)
     ends = first + 1 == loops.first[loop + 1]
     after = loops.first[loop] if ends else first + 1
     span = (length if ends else loops.at[after]) - loops.at[first]

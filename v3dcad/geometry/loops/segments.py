@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray
+from v3dcad.geometry.compiled.arrays import FloatArray, FloatRows, IntArray, IntRows
 from v3dcad.geometry.compiled.options import INLINED, UNCOUNTED, compiled
 from v3dcad.model import Floats
 
@@ -15,6 +15,8 @@ MOST = 2**20
 """Bins, at most."""
 CROWDED = 8.0
 """Long segments side by side that a bin has, at most, on average."""
+ROOM = 6
+"""Bins of a segment, on average; where there are more, there is another try."""
 LEVEL = 1e-3
 """mm: segments that rise less are level, as far as bins go."""
 
@@ -45,12 +47,17 @@ class Segments(NamedTuple):
         frame, shape = np.array([0.0, 0, 1, reach]), np.ones(2, np.int64)
         if len(ends):
             _set_up(ends, frame, shape)
-        counts = np.zeros(int(shape[0] * shape[1]) + 1, np.int64)
-        _fill(ends, frame, shape, counts, np.empty(0, np.int64))
-        first = np.cumsum(counts) - counts
-        items = np.empty(int(first[-1]), np.int64)
-        _fill(ends, frame, shape, first.copy(), items)
-        return cls(ends, frame, shape, first, items)
+        room = ROOM * len(ends)
+        while True:
+            pairs = np.empty((room, 2), np.int64)
+            first = np.zeros(int(shape[0] * shape[1]) + 2, np.int64)
+            size = _pair(ends, frame, shape, pairs, first)
+            if size <= room:
+                break
+            room = size
+        items = np.empty(size, np.int64)
+        _sort(pairs, first, items)
+        return cls(ends, frame, shape, first[:-1], items)
 
 
 @compiled(INLINED)
@@ -144,10 +151,14 @@ def _set_up(ends: FloatRows, frame: FloatArray, shape: IntArray) -> None:
 
 
 @compiled(UNCOUNTED)
-def _fill(
-    ends: FloatRows, frame: FloatArray, shape: IntArray, place: IntArray, items: IntArray
-) -> None:
-    """Write each segment into its bins from `place` on; without room for items, only count."""
+def _pair(
+    ends: FloatRows, frame: FloatArray, shape: IntArray, pairs: IntRows, counts: IntArray
+) -> int:
+    """How many pairs of a segment and a bin there are; those without room are only counted.
+
+    `counts` has, two places on from each bin, how many segments it has.
+    """
+    size = 0
     side, per_mm, reach = frame[2], 1 / frame[2], frame[3]
     for k in range(len(ends)):
         ax, ay, bx, by = ends[k, 0], ends[k, 1], ends[k, 2], ends[k, 3]
@@ -160,6 +171,19 @@ def _fill(
             left, right = _row_span(ax, ay, bx, by, lean, y - reach, y + side + reach)
             one, other = bin_range(left - reach, right + reach, frame[0], per_mm, shape[0])
             for bin_ in range(row * shape[0] + one, row * shape[0] + other + 1):
-                if len(items) > 0:
-                    items[place[bin_]] = k
-                place[bin_] += 1
+                if size < len(pairs):
+                    pairs[size, 0], pairs[size, 1] = k, bin_
+                    counts[bin_ + 2] += 1
+                size += 1
+    return size
+
+
+@compiled(UNCOUNTED)
+def _sort(pairs: IntRows, first: IntArray, items: IntArray) -> None:
+    """Write the segments bin by bin. `first` comes with counts, and goes with where each begins."""
+    for bin_ in range(2, len(first)):
+        first[bin_] += first[bin_ - 1]
+    for k in range(len(items)):
+        bin_ = pairs[k, 1] + 1
+        items[first[bin_]] = pairs[k, 0]
+        first[bin_] += 1

@@ -141,8 +141,8 @@ def put(
     """Put sites where they are wanted (m, 3), with the grid's radii there; returns how many.
 
     Writes places (n, 3) and radii (n,). One is left out that is farther outside than the targets'
-    pad, and one that would stand over or under an earlier one within `clear` radii: the wall between
-    them would lean.
+    pad, and one that would stand over or under an earlier one within `clear` radii: a wall would
+    lean there.
     """
     names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
     at, count = np.empty(3), 0

@@ -37,7 +37,7 @@ MOST = 10_000_000
 TRIES = 3
 """How often it is tried to find sites that are certified, none held where it is wanted"""
 
-CLEAR = (1.1, 2.5)
+CLEAR = (1.1, 1.1, 2.5)
 """and before that, with those held that do not stand over others within so many radii: patterns
 over each other, about two radii apart, leave the sites between them no room to move."""
 
