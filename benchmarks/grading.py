@@ -18,8 +18,9 @@ from scipy.interpolate import RegularGridInterpolator
 from benchmarks.foam import row
 from v3dcad.model import Floats
 from v3dcad.settings import FillSettings
+from v3dcad.structure.foam.choice import LEAST_TAU, TAU
 from v3dcad.structure.foam.explicit import explicit_sites
-from v3dcad.structure.foam.graded import LEAST_TAU, TAU, Graded, graded_sites
+from v3dcad.structure.foam.graded import Graded, graded_sites
 from v3dcad.structure.foam.size_grid import SLOPE, sampled
 from v3dcad.structure.foam.space import space_of
 

@@ -49,7 +49,13 @@ from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
-from v3dcad.structure.foam.choice import auto_cell_size
+from v3dcad.structure.foam.choice import (
+    auto_cell_size,
+    graded_stretch,
+    largest_cell_size,
+    settled_roof_size,
+)
+from v3dcad.structure.foam.uniform import refuse_larger
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
 from v3dcad.structure.placement import layer_heights, on_bed
@@ -355,25 +361,20 @@ def fill_sectioned(
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
 
-    def layers_by(sized: FillSettings) -> Sequence[Layer]:
-        return fill_sectioned(found, sized, None, progress).layers
-
-    from v3dcad.cell_size import with_cell_size
-
-    settings, expected = with_cell_size(
-        found.sections, part.bounds, settings, printing or PrintSettings(), layers_by, progress
-    )
+    settings, expected = _with_cell_size(found, settings, printing or PrintSettings(), progress)
     graded: Graded | None = None
-    sizes = None if sites is not None else sizes_of(settings, part)
-    if sizes is not None:
+    differing = None if sites is not None else cells_of(settings, part)
+    if differing is not None:
         from v3dcad.structure.foam.graded import graded_sites
 
         low, high = part.bounds
-        graded = graded_sites(sizes, low, high, settings, progress)
+        sizes, wanted = differing
+        graded = graded_sites(sizes, low, high, settings, progress, wanted)
         sites = graded.sites
-        settings = replace(
-            settings, cell_size="auto", roof_size="off", stretch=graded.stretch, strict=False
-        )
+        settings = replace(settings, cell_size="auto", stretch=graded.stretch, strict=False)
+    if settings.method == "foam":
+        roof = settled_roof_size(settings) if sites is None else "off"
+        settings = replace(settings, roof_size=roof)
     filling = fill_sections(found.sections, sites, settings, rectangle)
     layers: Sequence[Layer] = filling.layers
     if settings.lofts:
@@ -382,26 +383,57 @@ def fill_sectioned(
     return Structure(part, part.placement, filling, layers, sites, graded, expected)
 
 
-def sizes_of(settings: FillSettings, part: Part) -> Callable[[Floats], Floats] | None:
-    """Cell sizes (n,), mm, at places (n, 3), mm, bed coordinates; None where all are the same."""
-    from v3dcad.fields.roofs import SPAN, finer_under
+def _with_cell_size(
+    found: SectionedPart, settings: FillSettings, printing: PrintSettings, progress: Progress
+) -> tuple[FillSettings, Expected | None]:
+    """As `with_cell_size`; where what is asked is too light for cells that are narrow under roofs,
+    and nobody asked for these, they are left out.
+    """
+    from v3dcad.cell_size import with_cell_size
+
+    def layers_by(sized: FillSettings) -> Sequence[Layer]:
+        return fill_sectioned(found, sized, None, progress).layers
+
+    def solved(chosen: FillSettings) -> tuple[FillSettings, Expected | None]:
+        bounds = found.part.bounds
+        return with_cell_size(found.sections, bounds, chosen, printing, layers_by, progress)
+
+    try:
+        return solved(settings)
+    except SettingError:
+        if settings.wish() is None or settings.roof_size != "auto":
+            raise
+    return solved(replace(settings, roof_size="off"))
+
+
+def cells_of(
+    settings: FillSettings, part: Part
+) -> tuple[Callable[[Floats], Floats], Callable[[], Floats]] | None:
+    """Cell sizes (n,), mm, at places (n, 3), mm, and where sites are wanted (m, 3), mm, in bed
+    coordinates; None where all cells are of one size.
+    """
+    from v3dcad.fields.roofs import Roofs, widest
     from v3dcad.fields.sources import size_field
 
-    size, roof = settings.cell_size, settings.roof_size
+    size, roof, roofs = settings.cell_size, settled_roof_size(settings), None
     if size == "auto":
         size = auto_cell_size(np.ptp(part.bounds, axis=0))
+    enough = isinstance(size, float | int) and not isinstance(roof, str) and widest(size) <= roof
+    if not isinstance(roof, str) and not enough:
+        roofs = Roofs.of(part.mesh(), roof)
     if isinstance(size, float | int):
-        if isinstance(roof, str) or SPAN * size <= roof:
+        if roofs is None:
             return None
+        refuse_larger(size, np.array([largest_cell_size(part.bounds, settings)]))
         everywhere = float(size)
         sizes = size_field(lambda x, y, z: everywhere, part)
     else:
         sizes = size_field(size, part)
-    if isinstance(roof, str):
-        return sizes
+    if roofs is None:
+        return sizes, lambda: np.empty((0, 3))
     from v3dcad.structure.foam.size_grid import SLOPE
 
-    return finer_under(sizes, part.mesh(), roof, SLOPE)
+    return roofs.finer(sizes, SLOPE, graded_stretch(settings)), roofs.sites
 
 
 def _any_inside(sites: Floats, rectangle: Floats) -> bool:

@@ -1,16 +1,17 @@
-"""Cells under roofs are as fine as is asked, and only there."""
+"""Cells under roofs are so narrow that no skin spans far, and only there."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 import v3dcad
-from v3dcad.fields.roofs import SPAN, finer_under, roofs
-from v3dcad.model import Diagram, Floats, Mesh
-from v3dcad.structure.foam.size_grid import SLOPE
+from v3dcad.fields.roofs import REST, Roofs
+from v3dcad.model import Floats, Mesh
 
 pytestmark = pytest.mark.slow
 
@@ -26,39 +27,105 @@ def wedge(rise: float) -> Mesh:
     return Mesh(np.concatenate([base, top]), np.array(faces))
 
 
-def widest(diagram: Diagram) -> float:
-    """The greatest distance of two corners of a cell, mm."""
-    cells = [np.concatenate(rings) for rings in diagram.cells().values()]
-    return max(float(np.hypot(*(p[:, None] - p[None]).transpose(2, 0, 1)).max()) for p in cells)
+def longest_skin(structure: v3dcad.Structure) -> float:
+    """The longest span of a bridge over cells, mm, by the certificate of the print."""
+    found = structure.printed_overhang()
+    bridges = found.kinds.index("bridges")
+    return float(found.span[found.over_cells[:, bridges], bridges].max(initial=0.0))
 
 
 @pytest.mark.parametrize(("degrees", "found"), [(0, 2), (20, 2), (30, 0)])
 def test_roofs_look_up_and_are_flat(degrees: float, found: int) -> None:
-    above = roofs(wedge(np.tan(np.radians(degrees))))
-    assert above.triangles.tolist() == [[4, 5, 6], [4, 6, 7]][:found]
+    roofs = Roofs.of(wedge(np.tan(np.radians(degrees))), 5.0)
+    triangles = [] if roofs is None else roofs.surface.triangles.tolist()
+    assert triangles == [[4, 5, 6], [4, 6, 7]][:found]
 
 
-def test_sizes_grow_away_from_a_roof_and_stay_as_given_without_one() -> None:
+def test_sizes_grow_away_from_a_roof_up_to_those_given() -> None:
     def sizes(places: Floats) -> Floats:
         return np.full(len(places), 3.0)
 
+    roofs = Roofs.of(wedge(0), 2.0)
+    assert roofs is not None
     places = np.array([[5.0, 5, 5], [5, 5, 4], [5, 5, 0]])
-    made = finer_under(sizes, wedge(0), 4.8, SLOPE)(places)
-    assert made == pytest.approx([4.8 / SPAN, 4.8 / SPAN + SLOPE, 3.0], abs=0.01)
-    assert finer_under(sizes, wedge(1), 4.8, SLOPE) is sizes
+    hexagon = np.sqrt(np.sqrt(3) / 2) * 2.0
+    made = roofs.finer(sizes, 0.3, stretch=2.0)(places)
+    assert made == pytest.approx([hexagon, hexagon + 0.15, hexagon + 0.75])
+    assert roofs.finer(lambda at: np.ones(len(at)), 0.3, 2.0)(places).tolist() == [1, 1, 1]
 
 
-def test_no_cell_under_a_roof_is_wider_than_asked(tmp_path: Path) -> None:
-    from build123d import Box
+@pytest.mark.parametrize("rise", [0.0, 0.4])
+def test_sites_lie_under_the_roof_in_equal_hexagons(rise: float) -> None:
+    roofs = Roofs.of(wedge(rise), 1.5)
+    assert roofs is not None
+    found = roofs.sites()
+    sites = found[np.unique(np.round(found[:, :2], 9), axis=0, return_index=True)[1]]
+    flat = KDTree(sites[:, :2])
+    apart, _ = flat.query(sites[:, :2], k=2)
+    np.testing.assert_allclose(apart[:, 1], 1.5)
+    corners = np.random.default_rng(0).uniform(0, 10, (1000, 2))
+    assert flat.query(corners)[0].max() <= 1.5 / np.sqrt(3) + 1e-9
+    over = 5 + rise * np.clip(sites[:, 0], 0, 10)
+    np.testing.assert_allclose(sites[:, 2], over - REST)
 
-    part = Box(20, 20, 12)
-    made = v3dcad.fill(part, cell_size=7.0, roof_size=5.0)
-    assert widest(made.layers[-5].diagram) <= 5.0
-    assert widest(made.layers[len(made.layers) // 4].diagram) > 5.0
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_no_skin_spans_more_than_asked(seed: int, tmp_path: Path) -> None:
+    from build123d import Box, Pos
+
+    part = Box(24, 20, 10) + Pos(-6, 0, 12.5) * Box(12, 20, 15)
+    made = v3dcad.fill(part, cell_size=8.0, random_seed=seed)
+    assert longest_skin(made) <= 5.05
+    assert longest_skin(v3dcad.fill(part, cell_size=8.0, roof_size=3.5)) <= 3.55
+    assert longest_skin(v3dcad.fill(part, cell_size=8.0, roof_size="off", random_seed=seed)) > 6
     assert made.overhang(0.45).wall_tilt.max() <= 45
+    assert made.graded is not None
+    assert made.graded.finer < 0.05  # sizes grow no faster than cells can
     made.write_ont(tmp_path / "a.ont")
     assert v3dcad.fill(tmp_path / "a.ont").checksum() == made.checksum()
-    even = v3dcad.fill(part, cell_size=2.0, roof_size=5.0)
-    assert even.graded is None
+
+
+def test_small_cells_and_parts_without_a_roof_stay_as_they_are(tmp_path: Path) -> None:
+    from build123d import Box, Cone
+
+    for part, size in ((Box(12, 12, 6), 3.0), (Cone(12, 0, 20), 6.0)):
+        even = v3dcad.fill(part, cell_size=size)
+        assert even.graded is None
+        assert even.recipe().sites is None
+        assert even.checksum() == v3dcad.fill(part, cell_size=size, roof_size="off").checksum()
+    assert longest_skin(v3dcad.fill(Box(24, 24, 6), cell_size=3.0)) <= 5
+    even.write_ont(tmp_path / "a.ont")
+    text = (tmp_path / "a.ont").read_text(encoding="utf-8")
+    assert "roof_size = 5\n" in text
+    # Files that do not say are older than the setting's default.
+    (tmp_path / "a.ont").write_text(text.replace("roof_size = 5\n", ""), encoding="utf-8")
+    assert v3dcad.fill(tmp_path / "a.ont").settings.roof_size == "off"
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"stretch": "columns", "cell_size": 7.0},
+        {"stretch": 1.3, "cell_size": 7.0},
+        {"method": "thesis", "sites": 5},
+        {"stretch": 2.0, "sites": [(0.0, 0, 0), (5, 5, 5)], "max_overhang": 90},
+    ],
+)
+def test_auto_leaves_alone_what_cannot_differ_in_size(settings: dict[str, Any]) -> None:
+    from build123d import Box
+
+    made = v3dcad.fill(Box(20, 20, 10), layer_height=2, **settings)
+    assert made.graded is None
+    assert made.settings.roof_size == ("auto" if "method" in settings else "off")
+
+
+def test_a_roof_size_that_is_given_is_not_left_out() -> None:
+    from build123d import Box
+
+    part = Box(20, 20, 10)
     with pytest.raises(v3dcad.SettingError, match=r"roof_size 5\.0: sites are given"):
         v3dcad.fill(part, roof_size=5.0, stretch=2, sites=[(0, 0, 0), (5, 5, 5)])
+    with pytest.raises(v3dcad.SettingError, match="columns: cells of many sizes need a number"):
+        v3dcad.fill(part, roof_size=5.0, stretch="columns")
+    with pytest.raises(v3dcad.SettingError, match="more than 10,000,000"):
+        v3dcad.fill(part, roof_size=0.001)

@@ -1,41 +1,112 @@
-"""Cells that get finer under roofs, so that skins need not span far."""
+"""Cells under roofs that are so narrow that skins need not span far.
+
+Cells of a random foam differ so much that the widest one of a section is more than twice as wide as
+most. So under roofs sites stand in a hexagonal pattern, all in the plane where the skin will rest.
+A section through sites of one plane is their own Voronoi diagram, here equal hexagons. From side to
+side they are one roof size wide; from corner to corner 1.15, less a wall of two beads.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from v3dcad.fields.distance import distance_to
 from v3dcad.model import Floats, Mesh
 
 FLAT = 25.0
 """Degrees to the horizontal: on steeper faces perimeters carry each other, and there is no skin."""
-SPAN = 2.4
-"""How many times as wide as its size no cell of a section is: the widest of 1,359 under two roofs
-were 2.39 times, from corner to corner."""
+
+REST = 1.0
+"""mm under a roof: about where a skin of four layers of 0.2 mm rests on cells."""
+
+ROUNDING = 1e-6
+"""mm: places that are less far outside a triangle than this lie in it."""
+
+AREA = 3**0.5 / 2
+"""Of a hexagon that is 1 wide from side to side."""
+
+WIDEST, WALL = 1.9, 0.8
+"""A skin spans at most so many sizes of cells of one size, less a wall of two usual beads, mm."""
 
 Sizes = Callable[[Floats], Floats]
 """Cell sizes (n,), mm, at places (n, 3), mm."""
 
 
-def roofs(surface: Mesh) -> Mesh:
-    """Those triangles of a surface that look up and are flat enough for a skin under them."""
-    a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
-    normals = np.cross(b - a, c - a)
-    upward = normals[:, 2] > np.cos(np.radians(FLAT)) * np.linalg.norm(normals, axis=1)
-    return Mesh(surface.vertices, surface.triangles[upward])
+def widest(cell_size: float) -> float:
+    """How far a skin spans over cells of one size at most, mm."""
+    return WIDEST * cell_size - WALL
 
 
-def finer_under(sizes: Sizes, surface: Mesh, roof_size: float, slope: float) -> Sizes:
-    """Sizes that let no skin under a roof of the surface span more than `roof_size`, mm.
+@dataclass(frozen=True, eq=False, slots=True)
+class Roofs:
+    """The faces of a part that look up and are flat enough for a skin, and what a skin may span."""
 
-    Away from roofs they grow by `slope` mm a mm, up to those that are given.
-    """
-    above = roofs(surface)
-    if not len(above.triangles):
-        return sizes
-    away = distance_to(above)
-    return lambda places: np.minimum(
-        sizes(places), roof_size / SPAN + slope * away(*np.ascontiguousarray(places.T))
-    )
+    surface: Mesh
+    """those triangles, at least one"""
+    size: float
+    """mm"""
+
+    @classmethod
+    def of(cls, surface: Mesh, size: float) -> Roofs | None:
+        """Those of a part with a surface, if it has any; skins are to span `size` mm at most.
+
+        What is narrower than that, seen from above, needs no cells to rest on.
+        """
+        a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
+        normals = np.cross(b - a, c - a)
+        upward = normals[:, 2] > np.cos(np.radians(FLAT)) * np.linalg.norm(normals, axis=1)
+        triangles = surface.triangles[upward]
+        flat = shapely.polygons(surface.vertices[triangles][..., :2])
+        seen = shapely.get_parts(shapely.union_all(flat))
+        wide = seen[~shapely.is_empty(shapely.buffer(seen, -size / 2))]
+        if not len(wide):
+            return None
+        kept, _ = shapely.STRtree(wide).query(shapely.centroid(flat), "within")
+        return cls(Mesh(surface.vertices, triangles[np.sort(kept)]), size)
+
+    def finer(self, sizes: Sizes, slope: float, stretch: float) -> Sizes:
+        """Sizes that are at most those of the pattern's hexagons, and away from roofs grow by
+        `slope` mm a mm, upward 1 / `stretch` of that, up to those that are given.
+        """
+        squeezed = np.array([1, 1, 1 / stretch])
+        away = distance_to(Mesh(self.surface.vertices * squeezed, self.surface.triangles))
+        least = np.sqrt(AREA) * self.size
+
+        def field(places: Floats) -> Floats:
+            grown = least + slope * away(*np.ascontiguousarray((places * squeezed).T))
+            return np.asarray(np.minimum(sizes(places), grown))
+
+        return field
+
+    def sites(self) -> Floats:
+        """Sites (n, 3), mm, in a hexagonal pattern seen from above, `REST` under the roofs.
+
+        The pattern is the same for all roofs, and goes on for a hexagon beyond each. Sites straight
+        under a roof come first.
+        """
+        corners = self.surface.vertices[self.surface.triangles]
+        nodes = self._nodes(corners[..., :2])
+        flat = shapely.polygons(corners[..., :2])
+        node, of = shapely.STRtree(flat).query(shapely.points(nodes), "dwithin", self.size)
+        ways = shapely.shortest_line(flat[of], shapely.points(nodes[node]))
+        nearest = shapely.get_coordinates(ways)[::2]
+        a, b, c = np.moveaxis(corners[of], 1, 0)
+        normals = np.cross(b - a, c - a)
+        rise = (normals[:, :2] * (nearest - a[:, :2])).sum(axis=1) / normals[:, 2]
+        height = a[:, 2] - rise - REST
+        outside = np.rint(shapely.length(ways) / ROUNDING)
+        return np.column_stack([nodes[node], height])[np.lexsort((-height, node, outside))]
+
+    def _nodes(self, flat: Floats) -> Floats:
+        """Points (n, 2) of the pattern in and around the box of some points (…, 2)."""
+        pitch = self.size * np.array([1, AREA])
+        low, high = (
+            np.floor((extreme(flat, axis=(0, 1)) + way * self.size) / pitch)
+            for extreme, way in ((np.min, -1), (np.max, 2))
+        )
+        i, j = np.meshgrid(np.arange(low[0] - 1, high[0] + 1), np.arange(low[1], high[1] + 1))
+        return np.stack([i + j % 2 / 2, j], axis=-1).reshape(-1, 2) * pitch

@@ -20,6 +20,9 @@ from .qt import QtCore, QtWidgets, number_of, tr
 OFTEN = ("cell_size", "stretch", "max_overhang", "layer_height", "random_seed", "method")
 """Settings that are shown first."""
 
+REST = 400
+"""ms without a change, after which the preview has narrow cells under roofs."""
+
 
 class FillPanel:
     """Edits a fill; nothing of the document changes before OK or Apply."""
@@ -50,6 +53,8 @@ class FillPanel:
         layout.addStretch(1)
         self.preview = Preview(obj, self.form)
         self.layers = max(obj.Layers, 1)
+        self.rest = QtCore.QTimer(self.form, singleShot=True, interval=REST)
+        self.rest.timeout.connect(self.ask)
         self.slider.valueChanged.connect(lambda _: self.ask())
         worker.hello(self._begin, self._refused)
 
@@ -73,14 +78,21 @@ class FillPanel:
         return None
 
     def _changed(self) -> None:
-        self.sizes.show_way(str(self.fields.values().get("cell_size")))
-        self.ask()
+        settings = self.fields.values()
+        self.sizes.show_way(str(settings.get("cell_size")))
+        if settings.get("roof_size", "off") == "off":
+            self.ask()
+        else:  # cells under roofs are made for the part: that takes long while a value is dragged
+            self.ask(roof_size="off")
+            self.rest.start()
 
-    def ask(self) -> None:
-        """Ask for the layer as the fields would make it; only the newest request is kept."""
+    def ask(self, **changed: Any) -> None:
+        """Ask for the layer as the fields would make it, but for what is `changed`; only the newest
+        request is kept.
+        """
         if self.fields is None:
             return
-        settings = self.fields.values()
+        settings = {**self.fields.values(), **changed}
         if settings.get("cell_size") in properties.WAYS:
             try:
                 sizes = self.sizes.sizes()

@@ -14,14 +14,10 @@ import v3dcad
 from tests.geometry.voronoi import oracle
 from v3dcad.errors import SettingError
 from v3dcad.settings import FillSettings
+from v3dcad.structure.foam.choice import LEAST_TAU, TAU, graded_stretch
 from v3dcad.structure.foam.darts import graded_disk, targets_of
 from v3dcad.structure.foam.explicit import explicit_sites
-from v3dcad.structure.foam.graded import (
-    LEAST_TAU,
-    TAU,
-    graded_sites,
-    graded_stretch,
-)
+from v3dcad.structure.foam.graded import graded_sites
 from v3dcad.structure.foam.size_grid import sampled
 from v3dcad.structure.foam.space import space_of
 
@@ -201,8 +197,13 @@ def test_the_same_sites_everywhere_and_others_for_another_seed():
 def test_darts_keep_the_mean_of_their_radii():
     found = sampled(lambda at: 0.5 + 0.2 * at[:, 0], np.zeros(3), np.full(3, 5.0))
     inside = np.array([[0.0] * 3, [5.0] * 3])
-    places, radii = graded_disk(found.grid, targets_of(found.grid, inside, 2.0), 0)
+    wanted = np.array([[2.5, 2.5, 2.5], [2.5, 2.5, 2.8], [9.0, 2.5, 2.5]])
+    targets = targets_of(found.grid, inside, 2.0)
+    places, radii, kept = graded_disk(found.grid, targets, 0, wanted, 1.1)
     assert len(places) > 100
+    # What is wanted comes first, but not straight over another, nor far outside.
+    assert kept == 1
+    assert places[0].tolist() == wanted[0].tolist()
     grid = found.grid
     axes = [
         low + grid.side * np.arange(count)
@@ -215,6 +216,37 @@ def test_darts_keep_the_mean_of_their_radii():
     pairs = KDTree(places).query_pairs(1.6, output_type="ndarray")
     apart = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
     assert (apart >= radii[pairs].mean(axis=1) * (1 - 1e-12)).all()
+
+
+def hexagons(apart):
+    """Sites in a plane in the middle of the box and around it."""
+    i, j = np.meshgrid(np.arange(-2, 9), np.arange(-2, 9))
+    places = np.stack([i + j % 2 / 2, j * np.sqrt(3) / 2], axis=-1).reshape(-1, 2) * apart
+    return np.column_stack([places, np.full(len(places), HIGH[2] / 2)])
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_sites_stay_where_they_are_wanted(seed):
+    wanted = hexagons(3.0)
+    made = graded_sites(
+        lambda at: np.full(len(at), 3.0),
+        LOW,
+        HIGH,
+        settings_of(random_seed=seed),
+        wanted=lambda: wanted,
+    )
+    assert tilt(made) <= 45 + 1e-6
+    inside = wanted[((wanted > LOW) & (wanted < HIGH)).all(axis=1)]
+    assert KDTree(made.sites).query(inside)[0].max() < 1e-9
+
+
+def test_sites_do_not_stay_where_walls_would_lean():
+    """Two patterns over each other, as near as may be: some must give way, and it ends."""
+    wanted = np.concatenate([hexagons(3.0), hexagons(3.0) + np.array([0.3, 0.2, 6.5])])
+    made = graded_sites(
+        lambda at: np.full(len(at), 3.0), LOW, HIGH, settings_of(), wanted=lambda: wanted
+    )
+    assert tilt(made) <= 45 + 1e-6
 
 
 def test_steep_fields_are_made_smaller_and_told():

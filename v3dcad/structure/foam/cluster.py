@@ -130,8 +130,10 @@ def find_steep(foam: Foam, lean: float, slack: float) -> None:
 
 @compiled(INTERNAL)
 def kick(foam: Foam, site: int) -> None:
-    """Move a site at random, and let it rest."""
+    """Move a site at random, and let it rest; one that is held stays."""
     touch(foam, site)
+    if site < foam.held:
+        return
     for axis in range(3):
         way = KICK * foam.radii[site] * (2 * random_share(foam.random) - 1)
         foam.places[site, axis] += way

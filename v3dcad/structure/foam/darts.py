@@ -118,6 +118,49 @@ def add_shares(grid: SizeGrid, targets: Targets) -> None:
                 cube += 1
 
 
+@compiled(INLINED)
+def is_far(targets: Targets, at: FloatArray, radius: float) -> bool:
+    """Whether a place is farther outside than the targets' pad."""
+    inside = targets.inside
+    for axis in range(3):
+        if beyond(at[axis], inside[0, axis], inside[1, axis]) > targets.pad * radius:
+            return True
+    return False
+
+
+@compiled(ENTRY)
+def put(
+    bins: Bins,
+    grid: SizeGrid,
+    targets: Targets,
+    wanted: FloatRows,
+    clear: float,
+    places: FloatRows,
+    radii: FloatArray,
+) -> int:
+    """Put sites where they are wanted (m, 3), with the grid's radii there; returns how many.
+
+    Writes places (n, 3) and radii (n,). One is left out that is farther outside than the targets'
+    pad, and one that would stand over or under an earlier one within `clear` radii: a wall would
+    lean there.
+    """
+    names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
+    at, count = np.empty(3), 0
+    for row in range(len(wanted)):
+        at[:] = wanted[row]
+        radius = size_at(grid, at[0], at[1], at[2])
+        if is_far(targets, at, radius) or count == len(places):
+            continue
+        free = True
+        for near in range(gather(bins, places, at, clear * radius, names, offsets, squares)):
+            free &= 2 * offsets[near, 2] ** 2 < squares[near]
+        if free:
+            places[count], radii[count] = at, radius
+            insert(bins, count, bin_of(bins, at[0], at[1], at[2]))
+            count += 1
+    return count
+
+
 @compiled(ENTRY)
 def throw_graded(
     bins: Bins,
@@ -126,17 +169,18 @@ def throw_graded(
     darts: int,
     places: FloatRows,
     radii: FloatArray,
+    count: int,
     state: WordArray,
 ) -> int:
     """Throw a number of darts into bins, more where the grid's radii are small; returns how many
-    hit.
+    sites there are with those that hit.
 
-    Writes places (n, 3) and radii (n,). A dart misses where an earlier one is nearer than the
-    mean of the two radii, and where it is farther outside than the targets' pad.
+    Writes places (n, 3) and radii (n,), after the `count` that are there. A dart misses where an
+    earlier one is nearer than the mean of the two radii, and where it is farther outside than the
+    targets' pad.
     """
     names, offsets, squares = np.empty(64, np.int64), np.empty((64, 3)), np.empty(64)
-    at, count = np.empty(3), 0
-    inside, shares = targets.inside, targets.shares
+    at, shares = np.empty(3), targets.shares
     b, c = targets.counts[1], targets.counts[2]
     for _ in range(darts):
         share = random_share(state) * shares[-1]
@@ -148,13 +192,10 @@ def throw_graded(
             else:
                 high = middle
         at[0], at[1], at[2] = low // (b * c), low // c % b, low % c
-        far = False
         for axis in range(3):
             at[axis] = targets.corner[axis] + (at[axis] + random_share(state)) * targets.side
         radius = size_at(grid, at[0], at[1], at[2])
-        for axis in range(3):
-            far |= beyond(at[axis], inside[0, axis], inside[1, axis]) > targets.pad * radius
-        if far or count == len(places):
+        if is_far(targets, at, radius) or count == len(places):
             continue
         free = True
         reach = radius / (1 - STEEPEST / 2)  # no farther site's radius is large enough
@@ -189,11 +230,15 @@ def targets_of(grid: SizeGrid, inside: Floats, pad: float) -> Targets:
     return targets
 
 
-def graded_disk(grid: SizeGrid, targets: Targets, random_seed: int) -> tuple[Floats, Floats]:
-    """Random sites (n, 3) and their radii (n,), as a grid has them.
+def graded_disk(
+    grid: SizeGrid, targets: Targets, random_seed: int, wanted: Floats, clear: float
+) -> tuple[Floats, Floats, int]:
+    """Sites (n, 3), their radii (n,) as a grid has them, and how many of the first are wanted ones.
 
-    None is nearer to another than the mean of their radii. As many darts are thrown as `DARTS`
-    says, at random with the density of sites, at the grid's targets.
+    Of wanted sites that stand over each other within `clear` radii only the first are taken. The
+    others are random, and none of these is nearer to another site than the mean of their radii.
+    As many darts are thrown as `DARTS` says, at random with the density of sites, at the grid's
+    targets.
     """
     low = targets.corner
     high = low + targets.side * targets.counts
@@ -204,5 +249,6 @@ def graded_disk(grid: SizeGrid, targets: Targets, random_seed: int) -> tuple[Flo
     places, radii = np.empty((capacity, 3)), np.empty(capacity)
     darts = int(DARTS * EXPECTED * cubes) + DARTS
     state = np.array([random_seed], np.uint64)
-    count = throw_graded(bins, grid, targets, darts, places, radii, state)
-    return places[:count], radii[:count]
+    first = put(bins, grid, targets, np.ascontiguousarray(wanted), clear, places, radii)
+    count = throw_graded(bins, grid, targets, darts, places, radii, first, state)
+    return places[:count], radii[:count], first

@@ -43,6 +43,8 @@ class Foam(NamedTuple):
     bins: Bins
     places: FloatRows
     """(n, 3) float64: the sites, within the periods"""
+    held: int
+    """so many of the first sites do not move"""
     radii: FloatArray
     """(n,) float64: the distance that neighbours of each site should keep"""
     low: FloatArray

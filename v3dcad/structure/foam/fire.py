@@ -59,6 +59,8 @@ def descend(foam: Foam, pace: FloatArray) -> None:
             gradients[site, axis] = 0.0
         length = pace[0] * np.sqrt(length)
         step = pace[0] * foam.radii[site] * min(1.0, LONGEST / max(length, 1e-300))
+        if site < foam.held:
+            continue
         for axis in range(3):
             foam.places[site, axis] += step * speeds[site, axis]
 

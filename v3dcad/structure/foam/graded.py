@@ -7,6 +7,7 @@ random numbers. The sites so made are explicit ones: whoever has them has the st
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,18 +16,14 @@ from v3dcad.errors import GeometryError, SettingError
 from v3dcad.geometry.voronoi.reach import cell_reaches
 from v3dcad.model import Floats, Progress, Value, unheard
 from v3dcad.settings import FillSettings
-from v3dcad.structure.foam.choice import settled_stretch
+from v3dcad.structure.foam.choice import graded_stretch
 from v3dcad.structure.foam.darts import EXPECTED, graded_disk, radii_for, targets_of
 from v3dcad.structure.foam.explicit import explicit_sites
 from v3dcad.structure.foam.random import random_bits
 from v3dcad.structure.foam.relaxing import STAGES, relax_inside
 from v3dcad.structure.foam.size_grid import SLOPE, Field, Sampled, sampled
 from v3dcad.structure.foam.space import steepest_in, tilt
-from v3dcad.structure.foam.tile import stretch_for
 from v3dcad.structure.foam.uniform import refuse_larger
-
-TAU, LEAST_TAU = 1.67, 1.41
-"""The usual and the least τ: with a smaller one, walls lean less, and it takes longer."""
 
 PAD = 2.0
 """In radii: how far around the box sites are made."""
@@ -38,7 +35,15 @@ MOST = 10_000_000
 """Sites of a graded foam."""
 
 TRIES = 3
-"""How often it is tried to find sites that are certified."""
+"""How often it is tried to find sites that are certified, none held where it is wanted"""
+
+CLEAR = (1.1, 1.1, 2.5)
+"""and before that, with those held that do not stand over others within so many radii: patterns
+over each other, about two radii apart, leave the sites between them no room to move."""
+
+HELD_EFFORT, EFFORT = 600, 20_000
+"""How often sites are moved on average before a try is given up. Around patterns under roofs 25 to
+500 times did; other random numbers are the quicker way out of a knot."""
 
 SAME = 0.02
 """A made size that differs less from the asked one counts as it."""
@@ -61,30 +66,19 @@ class Graded(Value):
     """the share of the box where cells are smaller than asked, since the field is too steep"""
 
 
-def graded_stretch(settings: FillSettings) -> float:
-    """The stretch of a graded foam.
-
-    Raises `SettingError` for columns, and for one with which no sites would be found.
-    """
-    if settings.stretch == "columns":
-        raise SettingError(
-            "stretch", "--stretch columns: cells of many sizes need a number, or auto"
-        )
-    usual, least = (stretch_for(settings.max_overhang, tau) for tau in (TAU, LEAST_TAU))
-    return settled_stretch(settings, usual, least, "with cells of many sizes, walls")
-
-
 def graded_sites(
     field: Field,
     low: Floats,
     high: Floats,
     settings: FillSettings,
     progress: Progress = unheard,
+    wanted: Callable[[], Floats] = lambda: np.empty((0, 3)),
 ) -> Graded:
     """The sites for a part in the box low … high (3,), mm, with cells as large as a field says.
 
     `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
-    are 1 / size² cells a mm² of a horizontal section. Raises `SettingError` for more than `MOST`
+    are 1 / size² cells a mm² of a horizontal section. Sites stand where they are `wanted` (m, 3),
+    mm, if walls allow it. Raises `SettingError` for more than `MOST`
     sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
     where no sites can be found whose walls all lean at most `settings.max_overhang`.
     """
@@ -106,16 +100,18 @@ def graded_sites(
     grid = radii_for(sizes.grid)
     targets = targets_of(grid, inside, PAD)
     _refuse_many(EXPECTED * float(targets.shares[-1]))
+    first = wanted() * squeezed
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
-    for _ in range(TRIES):
+    for clear in [*(CLEAR if len(first) else ()), *(None,) * TRIES]:
         seed = int(random_bits(state)) >> 1
         progress("scattering cells", 0, 1)
         try:
-            places, radii = graded_disk(grid, targets, seed)
+            places, radii, held = graded_disk(grid, targets, seed, first, clear or CLEAR[-1])
+            held = held if clear else 0
             if settings.max_overhang < 90:
                 tau = stretch * float(np.tan(np.radians(settings.max_overhang)))
-                places = _straightened(places, radii, inside, tau, seed, progress)
+                places = _straightened(places, radii, held, inside, tau, seed, progress)
             _, reach = cell_reaches(places, *inside)
         except GeometryError as error:
             failure = error.message
@@ -137,9 +133,17 @@ def graded_sites(
 
 
 def _straightened(
-    places: Floats, radii: Floats, inside: Floats, tau: float, random_seed: int, progress: Progress
+    places: Floats,
+    radii: Floats,
+    held: int,
+    inside: Floats,
+    tau: float,
+    random_seed: int,
+    progress: Progress,
 ) -> Floats:
-    """Sites (n, 3) in the stretched space moved until no wall leans more than τ allows."""
+    """Sites (n, 3) in the stretched space moved until no wall leans more than τ allows; the first
+    `held` of them not if that can be.
+    """
     stages = [stage for stage in STAGES if stage > tau] + [tau]
     first: dict[float, int] = {}
 
@@ -150,7 +154,15 @@ def _straightened(
         progress("straightening walls", done, 100 * len(stages))
 
     return relax_inside(
-        places, radii, inside, tau, slack=SLACK, random_seed=random_seed, progress=told
+        places,
+        radii,
+        inside,
+        tau,
+        held=held,
+        effort=HELD_EFFORT if held else EFFORT,
+        slack=SLACK,
+        random_seed=random_seed,
+        progress=told,
     )
 
 

@@ -45,7 +45,7 @@ def periodic_foam(
     """Sites (n, 3) in a periodic box (3,), ready to be relaxed, and the bins that they are in."""
     bins = bins_of(places, np.zeros(3), box, periodic=True)
     everywhere = np.array([[-np.inf] * 3, [np.inf] * 3])
-    return _foam_of(bins, places, radii, everywhere, NEIGHBOURS, random_seed)
+    return _foam_of(bins, places, radii, everywhere, NEIGHBOURS, random_seed, 0)
 
 
 def _foam_of(
@@ -55,13 +55,17 @@ def _foam_of(
     inside: Floats,
     neighbours: int,
     random_seed: int,
+    held: int,
 ) -> tuple[Foam, Ints]:
-    """Sites in bins, ready to be relaxed; walls count in the box `inside` (2, 3)."""
+    """Sites in bins, ready to be relaxed, so many of the first of them held where they are; walls
+    count in the box `inside` (2, 3).
+    """
     sites = len(places)
     neighbours = min(neighbours, sites - 1)
     foam = Foam(
         bins=bins,
         places=places.copy(),
+        held=held,
         radii=radii,
         low=inside[0].copy(),
         high=inside[1].copy(),
@@ -125,6 +129,7 @@ def relax_inside(
     inside: Floats,
     tau: float,
     *,
+    held: int = 0,
     margin: float = 0.005,
     slack: float = 0.0,
     random_seed: int = 0,
@@ -133,11 +138,11 @@ def relax_inside(
 ) -> Floats:
     """Sites (n, 3) in and around a box (2, 3) moved until no wall in it leans more than τ allows.
 
-    Their radii (n,) may differ; all else as `relax`.
+    Their radii (n,) may differ. The first `held` sites stay where they are. All else as `relax`.
     """
     low, high = places.min(axis=0), places.max(axis=0)
     bins = bins_of(places, low, high, periodic=False)
-    foam, homes = _foam_of(bins, places, radii, inside, GRADED_NEIGHBOURS, random_seed)
+    foam, homes = _foam_of(bins, places, radii, inside, GRADED_NEIGHBOURS, random_seed, held)
     return _relaxed(foam, homes, tau, STAGES, margin, slack, effort, progress)
 
 
