@@ -84,6 +84,13 @@ def test_where_all_rests_nothing_changes() -> None:
     assert length == 0
 
 
+def test_a_layer_without_strokes() -> None:
+    found, hang, length = bridged([], bars(0.0))
+    assert found == []
+    assert not len(hang.segment)
+    assert length == 0
+
+
 def printed() -> tuple[list[Toolpath], list[LayerReport], PrintSettings]:
     """Ten layers of foam, each with a section that is smaller all around by 0.3 mm."""
     reports: list[LayerReport] = []

@@ -49,7 +49,8 @@ def with_bridged_walls(
     all steps that `hang`, for at least `LEAST` widths. It begins and ends at a corner that is
     nearer than `shortest` (mm).
     """
-    found, stretches, length, steps = [], [], 0.0, 0
+    found, length, steps = [], 0.0, 0
+    stretches = [(np.empty(0, np.int64), np.empty(0), np.empty(0))]
     first = np.cumsum([0, *(len(stroke.laid) for stroke in strokes)])
     begins = np.searchsorted(hang.segment, first).tolist()
     for number, stroke in enumerate(strokes):
