@@ -67,9 +67,7 @@ def test_the_density_is_that_of_the_gcode(
 ) -> None:
     source, volume = part(name)
     printing = PrintSettings(brim_width=0.0, **options)
-    # Narrow cells under roofs are made anew for each size that is tried, which takes its time.
-    roof_size = "auto" if name in ("cylinder", "sphere") else "off"
-    made = v3dcad.fill(source, density=density, roof_size=roof_size, printing=printing)
+    made = v3dcad.fill(source, density=density, printing=printing)
     made.write_gcode(tmp_path / "a.gcode", printing)
     assert laid(tmp_path / "a.gcode", printing) / volume == pytest.approx(density, rel=0.03)
     assert made.expected is not None
@@ -89,13 +87,12 @@ def test_the_mass_is_the_parts_own_by_the_filaments_density(brim: float, tmp_pat
 
 def test_the_structure_is_that_of_the_cell_size_that_was_found(tmp_path: Path) -> None:
     source, _ = part("box")
-    made = v3dcad.fill(source, density="40%", roof_size="off", layer_height=0.4)
+    made = v3dcad.fill(source, density="40%", layer_height=0.4)
     size = made.settings.cell_size
     assert (made.settings.density, made.settings.mass) == ("off", "off")
-    again = v3dcad.fill(source, cell_size=size, roof_size="off", layer_height=0.4)
+    again = v3dcad.fill(source, cell_size=size, layer_height=0.4)
     assert made.checksum() == again.checksum()
-    same = v3dcad.fill(source, density=0.4, roof_size="off", layer_height=0.4)
-    assert same.settings == made.settings
+    assert v3dcad.fill(source, density=0.4, layer_height=0.4).settings == made.settings
     made.write_ont(tmp_path / "a.ont")
     text = (tmp_path / "a.ont").read_text(encoding="utf-8")
     assert "density" not in text
@@ -116,7 +113,7 @@ def test_graded_sites_get_a_density_of_their_own(tmp_path: Path) -> None:
     source, _ = part("box")
     made = v3dcad.fill(source, cell_size="3 + 0.2 * (z + 8)", layer_height=0.4)
     made.write_ont(tmp_path / "a.ont")
-    even = v3dcad.fill(tmp_path / "a.ont", density=0.5, roof_size="off")
+    even = v3dcad.fill(tmp_path / "a.ont", density=0.5)
     assert even.given is None
 
     from build123d import Box

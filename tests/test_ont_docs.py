@@ -24,9 +24,7 @@ def test_the_exact_example_makes_its_structure(samples: Path, tmp_path: Path) ->
     (tmp_path / "cone.ont").write_text(EXACT, encoding="utf-8")
     assert ont.check(tmp_path / "cone.ont")["result"] == "the structure is the one that was written"
     read = v3dcad.fill(tmp_path / "cone.ont")
-    made = v3dcad.fill(
-        samples / "cone.step", layer_height=0.5, cell_size=10, roof_size="off", random_seed=3
-    )
+    made = v3dcad.fill(samples / "cone.step", layer_height=0.5, cell_size=10, random_seed=3)
     assert read.checksum() == made.checksum()
     read.write_ont(tmp_path / "again.ont")
     assert (tmp_path / "again.ont").read_text(encoding="utf-8") == EXACT

@@ -49,12 +49,7 @@ from v3dcad.report import Print, graded_report, report
 from v3dcad.settings import FillSettings, PrintSettings
 from v3dcad.signatures import takes_settings
 from v3dcad.structure.fill import Filling, fill_sections
-from v3dcad.structure.foam.choice import (
-    auto_cell_size,
-    graded_stretch,
-    largest_cell_size,
-    settled_roof_size,
-)
+from v3dcad.structure.foam.choice import auto_cell_size, graded_stretch, largest_cell_size
 from v3dcad.structure.foam.uniform import refuse_larger
 from v3dcad.structure.loft import lofted
 from v3dcad.structure.overhang import Overhang, overhang
@@ -361,7 +356,14 @@ def fill_sectioned(
             f"x {low[0]:g} … {high[0]:g}, y {low[1]:g} … {high[1]:g} mm; move them",
         )
 
-    settings, expected = _with_cell_size(found, settings, printing or PrintSettings(), progress)
+    def layers_by(sized: FillSettings) -> Sequence[Layer]:
+        return fill_sectioned(found, sized, None, progress).layers
+
+    from v3dcad.cell_size import with_cell_size
+
+    settings, expected = with_cell_size(
+        found.sections, part.bounds, settings, printing or PrintSettings(), layers_by, progress
+    )
     graded: Graded | None = None
     differing = None if sites is not None else cells_of(settings, part)
     if differing is not None:
@@ -371,39 +373,15 @@ def fill_sectioned(
         sizes, wanted = differing
         graded = graded_sites(sizes, low, high, settings, progress, wanted)
         sites = graded.sites
-        settings = replace(settings, cell_size="auto", stretch=graded.stretch, strict=False)
-    if settings.method == "foam":
-        roof = settled_roof_size(settings) if sites is None else "off"
-        settings = replace(settings, roof_size=roof)
+        settings = replace(
+            settings, cell_size="auto", roof_size="off", stretch=graded.stretch, strict=False
+        )
     filling = fill_sections(found.sections, sites, settings, rectangle)
     layers: Sequence[Layer] = filling.layers
     if settings.lofts:
         assert isinstance(filling, ThesisFilling)
         layers = lofted(filling, found.heights)
     return Structure(part, part.placement, filling, layers, sites, graded, expected)
-
-
-def _with_cell_size(
-    found: SectionedPart, settings: FillSettings, printing: PrintSettings, progress: Progress
-) -> tuple[FillSettings, Expected | None]:
-    """As `with_cell_size`; where what is asked is too light for cells that are narrow under roofs,
-    and nobody asked for these, they are left out.
-    """
-    from v3dcad.cell_size import with_cell_size
-
-    def layers_by(sized: FillSettings) -> Sequence[Layer]:
-        return fill_sectioned(found, sized, None, progress).layers
-
-    def solved(chosen: FillSettings) -> tuple[FillSettings, Expected | None]:
-        bounds = found.part.bounds
-        return with_cell_size(found.sections, bounds, chosen, printing, layers_by, progress)
-
-    try:
-        return solved(settings)
-    except SettingError:
-        if settings.wish() is None or settings.roof_size != "auto":
-            raise
-    return solved(replace(settings, roof_size="off"))
 
 
 def cells_of(
@@ -415,11 +393,11 @@ def cells_of(
     from v3dcad.fields.roofs import Roofs, widest
     from v3dcad.fields.sources import size_field
 
-    size, roof, roofs = settings.cell_size, settled_roof_size(settings), None
+    size, roof, roofs = settings.cell_size, settings.roof_size, None
     if size == "auto":
         size = auto_cell_size(np.ptp(part.bounds, axis=0))
-    enough = isinstance(size, float | int) and not isinstance(roof, str) and widest(size) <= roof
-    if not isinstance(roof, str) and not enough:
+    narrow = widest(size) if isinstance(size, float | int) else np.inf
+    if not isinstance(roof, str) and narrow > roof:
         roofs = Roofs.of(part.mesh(), roof)
     if isinstance(size, float | int):
         if roofs is None:

@@ -131,8 +131,6 @@ def changed(recipe: Recipe, sites: Any, settings: dict[str, Any]) -> Recipe:
         kept = None
     if sized:
         before["cell_size"] = "auto"  # what is given says how large cells are
-        if recipe.sites is not None:
-            before.pop("roof_size", None)  # listed sites leave unsaid what made them
     chosen = known_settings({**before, **settings})
     if kept is not None:
         check_fits_sites(chosen, kept)

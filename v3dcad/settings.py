@@ -223,12 +223,12 @@ class FillSettings(SectionSettings):
         method="foam",
     )
     roof_size: float | str = setting(
-        "auto",
-        "Largest span of a skin over cells: under roofs cells are no wider, and the .ont file then "
-        "lists all sites. auto takes 5, and none for columns.",
+        "off",
+        "Largest span of a skin over cells: under roofs no cell is wider. The .ont file then lists "
+        "all sites.",
         unit="mm",
         above=0,
-        words=("auto", "off"),
+        words=("off",),
         method="foam",
     )
     stretch: float | str = setting(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -69,15 +68,14 @@ def test_sites_lie_under_the_roof_in_equal_hexagons(rise: float) -> None:
     np.testing.assert_allclose(sites[:, 2], over - REST)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_no_skin_spans_more_than_asked(seed: int, tmp_path: Path) -> None:
+def test_no_skin_spans_more_than_asked(tmp_path: Path) -> None:
     from build123d import Box, Pos
 
     part = Box(24, 20, 10) + Pos(-6, 0, 12.5) * Box(12, 20, 15)
-    made = v3dcad.fill(part, cell_size=8.0, random_seed=seed)
+    made = v3dcad.fill(part, cell_size=8.0, roof_size=5.0)
     assert longest_skin(made) <= 5.05
     assert longest_skin(v3dcad.fill(part, cell_size=8.0, roof_size=3.5)) <= 3.55
-    assert longest_skin(v3dcad.fill(part, cell_size=8.0, roof_size="off", random_seed=seed)) > 6
+    assert longest_skin(v3dcad.fill(part, cell_size=8.0)) > 6
     assert made.overhang(0.45).wall_tilt.max() <= 45
     assert made.graded is not None
     assert made.graded.finer < 0.05  # sizes grow no faster than cells can
@@ -89,37 +87,16 @@ def test_small_cells_and_parts_without_a_roof_stay_as_they_are(tmp_path: Path) -
     from build123d import Box, Cone
 
     for part, size in ((Box(12, 12, 6), 3.0), (Cone(12, 0, 20), 6.0)):
-        even = v3dcad.fill(part, cell_size=size)
+        even = v3dcad.fill(part, cell_size=size, roof_size=5.0)
         assert even.graded is None
         assert even.recipe().sites is None
-        assert even.checksum() == v3dcad.fill(part, cell_size=size, roof_size="off").checksum()
+        assert even.checksum() == v3dcad.fill(part, cell_size=size).checksum()
     assert longest_skin(v3dcad.fill(Box(24, 24, 6), cell_size=3.0)) <= 5
     even.write_ont(tmp_path / "a.ont")
-    text = (tmp_path / "a.ont").read_text(encoding="utf-8")
-    assert "roof_size = 5\n" in text
-    # Files that do not say are older than the setting's default.
-    (tmp_path / "a.ont").write_text(text.replace("roof_size = 5\n", ""), encoding="utf-8")
-    assert v3dcad.fill(tmp_path / "a.ont").settings.roof_size == "off"
+    assert v3dcad.fill(tmp_path / "a.ont").checksum() == even.checksum()
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"stretch": "columns", "cell_size": 7.0},
-        {"stretch": 1.3, "cell_size": 7.0},
-        {"method": "thesis", "sites": 5},
-        {"stretch": 2.0, "sites": [(0.0, 0, 0), (5, 5, 5)], "max_overhang": 90},
-    ],
-)
-def test_auto_leaves_alone_what_cannot_differ_in_size(settings: dict[str, Any]) -> None:
-    from build123d import Box
-
-    made = v3dcad.fill(Box(20, 20, 10), layer_height=2, **settings)
-    assert made.graded is None
-    assert made.settings.roof_size == ("auto" if "method" in settings else "off")
-
-
-def test_a_roof_size_that_is_given_is_not_left_out() -> None:
+def test_what_goes_with_no_roof_size() -> None:
     from build123d import Box
 
     part = Box(20, 20, 10)

@@ -214,7 +214,7 @@ def test_forms_are_those_of_python(
     [
         ("a.step", {}),
         ("a.ont", {}),
-        ("a.stl", {"form": "struts", "diameter": 1.0}),
+        ("a.stl", {"form": "struts", "diameter": 2.0}),
         ("a.brep", {"form": "faces"}),
         ("a.gcode", {"print": WIDE, "profile": "ender3v2"}),
         ("a.svg", {"svg_layer": 2}),
@@ -234,7 +234,7 @@ def test_exports_are_the_files_of_python(
         case ".ont":
             structure.write_ont(expected)
         case ".stl":
-            structure.write_stl(expected, "struts", diameter=1.0)
+            structure.write_stl(expected, "struts", diameter=2.0)
         case ".brep":
             structure.write_brep(expected, "faces")
         case ".svg":
@@ -261,8 +261,8 @@ def test_an_ont_file_opened_and_filled_is_what_was_written(
     opened = worker.get("open_ont", path=str(tmp_path / "a.ont"))
     assert opened["name"] == "a"
     assert opened["checksum"] == structure.checksum().sha256
-    assert (opened["sites"] is None) == (structure.given is None)
-    ask = {} if structure.given is None else {"sites": opened["sites"]}
+    assert (opened["sites"] is None) == (sites is None)
+    ask = {} if sites is None else {"sites": opened["sites"]}
     made = worker.get("fill", source=opened["boundary"], settings=opened["settings"],
                       shape_up_to=0, **ask)  # fmt: skip
     assert made["checksum"] == opened["checksum"]

@@ -82,7 +82,7 @@ def estimated(bounds: Floats, settings: FillSettings) -> Estimate | None:
     size = settings.cell_size
     if size == "auto":
         size = auto_cell_size(bounds[1] - bounds[0])
-    plain = settings.wish() is None and settings.roof_size in ("auto", "off")
+    plain = settings.wish() is None and settings.roof_size == "off"
     if not isinstance(size, float | int) or not plain:
         return None
     cells = width * depth / size**2

@@ -13,21 +13,13 @@ from v3dcad.settings import FillSettings, declared
 IN_OWN_SECTIONS = ("offset", "layer_height")
 """Settings that the thesis gives a section each."""
 
-ALWAYS = (
-    "method",
-    "cell_size",
-    "roof_size",
-    "stretch",
-    "heights",
-    "max_overhang",
-    "random_seed",
-)
+ALWAYS = ("method", "cell_size", "stretch", "heights", "max_overhang", "random_seed")
 """Settings that are written even where they are the default."""
 
 NEVER = ("density", "mass")
 """Settings that stand for a cell size, which the print settings have a say in: it is written."""
 
-UNSAID = {"heights": "bottom", "roof_size": "off"}
+UNSAID = {"heights": "bottom"}
 """What files of a foam mean that do not say: settings that came later than format 2."""
 
 

@@ -26,9 +26,6 @@ TAU, LEAST_TAU = 1.67, 1.41
 """The usual and the least τ of cells of many sizes: with a smaller one, walls lean less, and it
 takes longer."""
 
-ROOF_SIZE = 5.0
-"""mm, if nobody says otherwise: bridges as long print well as a rule."""
-
 
 def foam_for(
     low: Floats, high: Floats, sites: Floats | None, settings: FillSettings
@@ -83,22 +80,6 @@ def graded_stretch(settings: FillSettings) -> float:
         )
     usual, least = (stretch_for(settings.max_overhang, tau) for tau in (TAU, LEAST_TAU))
     return settled_stretch(settings, usual, least, "with cells of many sizes, walls")
-
-
-def settled_roof_size(settings: FillSettings) -> float | str:
-    """The roof size, mm, or "off". "auto" is off where cells cannot differ in size: in the thesis's
-    method, in columns, and with a stretch too small for it.
-    """
-    if settings.roof_size != "auto":
-        return settings.roof_size
-    if settings.method == "thesis" or settings.stretch == "columns":
-        return "off"
-    least = stretch_for(settings.max_overhang, LEAST_TAU)
-    return (
-        "off"
-        if isinstance(settings.stretch, float | int) and settings.stretch < least
-        else ROOF_SIZE
-    )
 
 
 def auto_cell_size(size: Floats) -> float:

@@ -892,8 +892,8 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Basılan parçanın kütlesi, kenarlık ve etek hariç. Hücreler bunun gerektirdiği boyutu alır.</translation>
     </message>
     <message>
-      <source>Largest span of a skin over cells: under roofs cells are no wider, and the .ont file then lists all sites. auto takes 5, and none for columns.</source>
-      <translation>Hücreler üzerindeki bir kabuğun en büyük açıklığı: çatıların altında hücreler daha geniş olmaz, .ont dosyası da o zaman tüm noktaları listeler. auto 5 alır, sütunlarda ise hiçbir şey.</translation>
+      <source>Largest span of a skin over cells: under roofs no cell is wider. The .ont file then lists all sites.</source>
+      <translation>Hücreler üzerindeki bir kabuğun en büyük açıklığı: çatıların altında hiçbir hücre daha geniş olmaz. .ont dosyası o zaman tüm noktaları listeler.</translation>
     </message>
     <message>
       <source>How many times as tall as wide cells are, about; auto takes the least that --max-overhang allows. columns makes upright walls.</source>
