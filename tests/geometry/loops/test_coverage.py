@@ -48,6 +48,14 @@ def test_parallel_beads_have_half_of_what_lies_between(apart: float) -> None:
     assert share == pytest.approx((W / 2 + min(apart, W) / 2) / W, abs=0.03)
 
 
+def test_round_beads_side_by_side_share_room_as_straight_ones_do() -> None:
+    """Short pieces, each of them near to another for a moment only."""
+    angle = np.linspace(0, 2 * np.pi, 120)
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])
+    share, _ = shares(5 * ring, (5 + 0.9 * W) * ring[::-1])
+    assert share == pytest.approx(0.95, abs=0.02)
+
+
 def test_a_bend_to_the_left_is_even_and_one_to_the_right_is_less() -> None:
     left = np.array([[0.0, 0], [5, 0], [5, 5]])
     share, length = shares(left)

@@ -19,9 +19,11 @@ from v3dcad.geometry.loops.segments import Segments, beside
 from v3dcad.model import Floats, Ints
 
 NEAR = 0.95
-"""Lines nearer to each other than so many bead widths share room,"""
+"""Lines nearer to each other than so many bead widths share room."""
 BRIEF, CLOSE = 1.5, 0.85
-"""if they are so for as many bead widths, or come as near as that: links are nine tenths wide."""
+"""Bead widths: on so short a stretch at a corner, as at links, only those as near as that do."""
+CORNER = math.radians(20)
+"""A smaller turn is no corner."""
 TOUCHING = 1 - 1e-6
 """Bead widths: lines as far apart as they should be take no room from each other."""
 ROUND = 1.6
@@ -167,6 +169,7 @@ def _contacts(
     """On how many stretches others share the room of a bead, of so many that may be near."""
     ends, count = segments.ends, 0
     ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
+    begins, stops = abs(beads.bends[one]) > CORNER, abs(beads.bends[one + 1]) > CORNER
     for k in range(found):
         other = near.found[k]
         if other == one or not _meets(segments, beads, width, one, other):
@@ -175,9 +178,10 @@ def _contacts(
         low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
         if low > high:
             continue
-        if (high - low) * beads.length[one] < BRIEF * width:
-            from_, to = within(ax, ay, bx, by, cx, cy, dx, dy, CLOSE * width)
-            if from_ > to:
+        at_corner = (low <= 0 and begins) or (high >= 1 and stops)
+        if at_corner and (high - low) * beads.length[one] < BRIEF * width:
+            closest, last = within(ax, ay, bx, by, cx, cy, dx, dy, CLOSE * width)
+            if closest > last:
                 continue
         near.contacts[count, 0], near.contacts[count, 1] = low, high
         count += 1
