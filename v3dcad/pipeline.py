@@ -386,9 +386,9 @@ def fill_sectioned(
 
 def cells_of(
     settings: FillSettings, part: Part
-) -> tuple[Callable[[Floats], Floats], Callable[[], Floats]] | None:
-    """Cell sizes (n,), mm, at places (n, 3), mm, and where sites are wanted (m, 3), mm, in bed
-    coordinates; None where all cells are of one size.
+) -> tuple[Callable[[Floats], Floats], Callable[[], Floats] | None] | None:
+    """Cell sizes (n,), mm, at places (n, 3), mm, and where sites are wanted (m, 3), mm, if they
+    are, in bed coordinates; None where all cells are of one size.
     """
     from v3dcad.fields.roofs import Roofs, widest
     from v3dcad.fields.sources import size_field
@@ -408,7 +408,7 @@ def cells_of(
     else:
         sizes = size_field(size, part)
     if roofs is None:
-        return sizes, lambda: np.empty((0, 3))
+        return sizes, None
     from v3dcad.structure.foam.size_grid import SLOPE
 
     return roofs.finer(sizes, SLOPE, graded_stretch(settings)), roofs.sites

@@ -60,8 +60,7 @@ class Roofs:
 
         What is narrower than that, seen from above, needs no cells to rest on.
         """
-        a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
-        normals = np.cross(b - a, c - a)
+        normals = _normals(surface.vertices[surface.triangles])
         upward = normals[:, 2] > np.cos(np.radians(FLAT)) * np.linalg.norm(normals, axis=1)
         triangles = surface.triangles[upward]
         flat = shapely.polygons(surface.vertices[triangles][..., :2])
@@ -98,10 +97,9 @@ class Roofs:
         node, of = shapely.STRtree(flat).query(shapely.points(nodes), "dwithin", self.size)
         ways = shapely.shortest_line(flat[of], shapely.points(nodes[node]))
         nearest = shapely.get_coordinates(ways)[::2]
-        a, b, c = np.moveaxis(corners[of], 1, 0)
-        normals = np.cross(b - a, c - a)
-        rise = (normals[:, :2] * (nearest - a[:, :2])).sum(axis=1) / normals[:, 2]
-        height = a[:, 2] - rise - REST
+        normals, corner = _normals(corners[of]), corners[of, 0]
+        rise = (normals[:, :2] * (nearest - corner[:, :2])).sum(axis=1) / normals[:, 2]
+        height = corner[:, 2] - rise - REST
         outside = np.rint(shapely.length(ways) / ROUNDING)
         return np.column_stack([nodes[node], height])[np.lexsort((-height, node, outside))]
 
@@ -114,6 +112,12 @@ class Roofs:
         i, j = np.meshgrid(np.arange(low[0] - 1, high[0] + 1), np.arange(low[1], high[1] + 1))
         nodes = np.stack([i + j % 2 / 2, j], axis=-1).reshape(-1, 2)
         return _turned((nodes + SHIFT) * pitch, SINE)
+
+
+def _normals(corners: Floats) -> Floats:
+    """(t, 3) normals, not of unit length, of triangles by their corners (t, 3, 3)."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return np.cross(b - a, c - a)
 
 
 def _turned(points: Floats, sine: float) -> Floats:

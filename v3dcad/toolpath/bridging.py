@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import Diagram, Floats
 from v3dcad.toolpath.perimeters import inset, opened
 from v3dcad.toolpath.scan_lines import ScanLines, gaps
@@ -50,6 +51,8 @@ class Below(NamedTuple):
     diagram: Diagram
     wall: float
     """mm: width of a wall between cells"""
+    beads: Segments
+    """the lines that its beads lie along"""
 
     def solid(self) -> shapely.Geometry:
         """Perimeters and skins."""

@@ -94,10 +94,9 @@ def from_seams(outer: PathGraph, seams: Seams) -> list[Closed]:
     found = []
     for low, high in pairwise([0, *ends.tolist()]):
         points = outer.vertices[outer.edges[low:high, 0]]
-        seam = low + seams.corner(points)
-        turned = np.concatenate([np.arange(seam, high), np.arange(low, seam)])
+        turned = np.roll(np.arange(high - low), -seams.corner(points))
         feature = np.full(high - low, PERIMETER)
-        found.append(Closed(points[turned - low], feature, outer.centre[turned]))
+        found.append(Closed(points[turned], feature, outer.centre[low:high][turned]))
     return found
 
 
@@ -131,14 +130,14 @@ class _Left:
         from_, to = np.hypot(*(place - points[[step, after]]).T)
         begin = step if from_ <= to else after
         feature = np.where(owner < 0, INNER_PERIMETER, CELLS)
-        if min(from_, to) >= shortest:
+        if min(from_, to) >= shortest:  # the place is a corner of its own
+            points, feature = (
+                np.insert(points, after, place, axis=0),
+                np.insert(feature, after, feature[step]),
+            )
             begin = after
-        before, behind = points[begin:], points[: begin + 1]
-        feature = np.concatenate([feature[begin:], feature[:begin]])
-        if min(from_, to) >= shortest:
-            before, behind = np.vstack([place, before]), np.vstack([points[:begin], place])
-            feature = np.concatenate([feature[-1:], feature])
-        return Closed(np.concatenate([before, behind]), feature, np.full((len(feature), 2), np.nan))
+        turned = np.roll(np.arange(len(points)), -begin)
+        return _open(Closed(points[turned], feature[turned], np.full(points.shape, np.nan)))
 
 
 def _open(loop: Closed) -> Closed:

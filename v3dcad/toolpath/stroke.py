@@ -51,7 +51,7 @@ def lines_of(strokes: Sequence[Stroke], spacing: float) -> Lines:
     """The lines of strokes, for beads that lie `spacing` apart, mm."""
     start, stop = [np.empty((0, 2))], [np.empty((0, 2))]
     for one in strokes:
-        on = slice(None) if one.other is None else _first(one.other)
+        on = _first(one)
         start.append(one.points[:-1][on])
         stop.append(one.points[1:][on])
     counts = [len(points) for points in start[1:]]
@@ -68,18 +68,20 @@ def capped(strokes: Sequence[Stroke], room: Floats) -> list[Stroke]:
     """
     fed, used = [], 0
     for one in strokes:
-        on = np.ones(len(one.laid), np.bool_) if one.other is None else _first(one.other)
-        count = int(np.count_nonzero(on))
-        amount = one.laid.copy()
-        amount[on] *= np.where(one.feature[on] == BRIDGE, 1.0, room[used : used + count])
+        on, amount = _first(one), one.laid.copy()
+        bridge = one.feature[on] == BRIDGE
+        amount[on] *= np.where(bridge, 1.0, room[used : used + len(bridge)])
         if one.other is not None:
-            amount = np.where(on, amount, amount[one.other])
-            amount[one.other != np.arange(len(amount))] /= 2
+            each = np.arange(len(amount))
+            amount = amount[np.minimum(each, one.other)]
+            amount[one.other != each] /= 2
         fed.append(one._replace(laid=amount))
-        used += count
+        used += len(bridge)
     return fed
 
 
-def _first(other: Ints) -> NDArray[np.bool_]:
-    """Which steps are the first to pass their line, given the other one that passes it."""
-    return np.arange(len(other)) <= other
+def _first(stroke: Stroke) -> NDArray[np.bool_] | slice:
+    """Which steps are the first to pass their line."""
+    if stroke.other is None:
+        return slice(None)
+    return np.arange(len(stroke.other)) <= stroke.other

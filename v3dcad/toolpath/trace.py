@@ -12,7 +12,6 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.reach import Stretches, far_from
-from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_spacing
@@ -72,8 +71,6 @@ class _Planned(NamedTuple):
     plan: Plan
     strokes: list[Stroke]
     lines: Lines
-    below: Segments | None
-    """the lines of the layer below; None on the bed"""
     level: float
     """mm above the bed, where beads end; 0 where nothing is printed yet"""
     height: float
@@ -84,7 +81,6 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
     """What is printed on each layer, from where the last one ends."""
     linked, seams, here = Linked(), Seams(settings.seam), np.zeros(2)
     below: Below | None = None
-    under: Segments | None = None
     level = above = spacing = height = 0.0
     # A layer waits for its skin, which sections above have a say in.
     waiting, ahead = tee(layers)
@@ -108,10 +104,10 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
         if strokes:
             here = strokes[-1].points[-1]
         lines = lines_of(strokes, spacing)
-        yield _Planned(plan, strokes, lines, under, level, height)
         if printed:
-            under = lines.segments
-            below = Below(area, plan.foam, layer.diagram, settings.wall_width())
+            wall = settings.wall_width()
+            below = Below(area, plan.foam, layer.diagram, wall, lines.segments)
+        yield _Planned(plan, strokes, lines, level, height)
 
 
 class _Measured(NamedTuple):
@@ -126,11 +122,11 @@ class _Measured(NamedTuple):
 
 def _measured(planned: _Planned) -> _Measured:
     """What takes most of the time, and no other layer."""
-    plan, _, lines, below, _, _ = planned
+    plan, _, lines, _, _ = planned
     room = covered(*lines, plan.spacing)
-    if below is None or plan.settings.wall_beads == 1:
+    if plan.below is None or plan.settings.wall_beads == 1:
         return _Measured(planned, room, None)
-    hang = far_from(lines.segments.ends, below, plan.settings.bead_width / 2)
+    hang = far_from(lines.segments.ends, plan.below.beads, plan.settings.bead_width / 2)
     return _Measured(planned, room, hang)
 
 
@@ -144,7 +140,7 @@ class _Laying:
 
     def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        (plan, strokes, _, below, level, height), room, hang = measured
+        (plan, strokes, _, level, height), room, hang = measured
         settings, nozzle = self._settings, self._nozzle
         strokes = capped(strokes, room)
         if level:
@@ -161,10 +157,10 @@ class _Laying:
             nozzle.print(stroke)
         toolpath = nozzle.taken(plan.layer.index)
         told: tuple[Hanging, ...] = ()
+        below = plan.below
         if below is not None and (self._told or not isinstance(settings.fail_over, str)):
-            assert plan.below is not None
             width = settings.bead_width
-            told = hanging(toolpath, before, below, plan.below.area, width, height, hang)
+            told = hanging(toolpath, before, below.beads, below.area, width, height, hang)
             refuse_spans(told, plan.layer.index, level, settings.fail_over)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0

@@ -10,8 +10,9 @@ from v3dcad.geometry.compiled.arrays import ConstFloatRows, ConstIntArray, Float
 from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
 from v3dcad.geometry.loops.curves import GRID, LINK, Curves
 
-STRAIGHT = math.cos(math.radians(20))
-"""The cosine of a turn that is no corner: it is taken at full speed, as smaller ones are."""
+CORNER = math.radians(20)
+"""A smaller turn is no corner: it is taken at full speed."""
+STRAIGHT = math.cos(CORNER)
 LINK_SHARE = 0.3
 """The share of a step that a cut takes at a link: so half a turn round it is half an octagon."""
 WALL_SHARE = 1 / 50

@@ -14,6 +14,7 @@ import numpy as np
 
 from v3dcad.geometry.compiled.arrays import ConstIntArray, FloatArray, FloatRows, IntArray
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.loops.corners import CORNER
 from v3dcad.geometry.loops.reach import within
 from v3dcad.geometry.loops.segments import Segments, beside
 from v3dcad.model import Floats, Ints
@@ -22,8 +23,6 @@ NEAR = 0.95
 """Lines nearer to each other than so many bead widths share room."""
 BRIEF, CLOSE = 1.5, 0.85
 """Bead widths: on so short a stretch at a corner, as at links, only those as near as that do."""
-CORNER = math.radians(20)
-"""A smaller turn is no corner."""
 TOUCHING = 1 - 1e-6
 """Bead widths: lines as far apart as they should be take no room from each other."""
 ROUND = 1.6
@@ -174,13 +173,12 @@ def _contacts(
         other = near.found[k]
         if other == one or not _meets(segments, beads, width, one, other):
             continue
-        cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
-        low, high = within(ax, ay, bx, by, cx, cy, dx, dy, NEAR * width)
+        low, high = within(ax, ay, bx, by, ends, other, NEAR * width)
         if low > high:
             continue
         at_corner = (low <= 0 and begins) or (high >= 1 and stops)
         if at_corner and (high - low) * beads.length[one] < BRIEF * width:
-            closest, last = within(ax, ay, bx, by, cx, cy, dx, dy, CLOSE * width)
+            closest, last = within(ax, ay, bx, by, ends, other, CLOSE * width)
             if closest > last:
                 continue
         near.contacts[count, 0], near.contacts[count, 1] = low, high
@@ -226,14 +224,11 @@ def _around(
     by: float,
 ) -> int:
     """How many others, of those `found`, are near a piece a → b of a bead; `near` has them."""
-    ends, count = segments.ends, 0
+    count = 0
     for k in range(found):
         other = near.found[k]
-        if other == one:
-            continue
-        cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
-        low, high = within(ax, ay, bx, by, cx, cy, dx, dy, TOUCHING * width)
-        if low <= high:
+        low, high = within(ax, ay, bx, by, segments.ends, other, TOUCHING * width)
+        if other != one and low <= high:
             near.others[count] = other
             near.spans[count, 0], near.spans[count, 1] = low, high
             count += 1

@@ -76,17 +76,13 @@ def _clipped(
 
 @compiled(INTERNAL)
 def within(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    cx: float,
-    cy: float,
-    dx: float,
-    dy: float,
-    reach: float,
+    ax: float, ay: float, bx: float, by: float, ends: ConstFloatRows, other: int, reach: float
 ) -> tuple[float, float]:
-    """From where to where on a → b, in shares, it lies within reach of c → d; 1, 0 if nowhere."""
+    """From where to where on a → b, in shares, it lies within reach of one of some segments.
+
+    That has a row of `ends` (n, 4). 1, 0 if nowhere.
+    """
+    cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
     vx, vy, ex, ey = bx - ax, by - ay, dx - cx, dy - cy
     ux, uy = ax - cx, ay - cy
     length = math.sqrt(ex * ex + ey * ey)
@@ -156,9 +152,7 @@ def _leave(
             bx, by = x + (piece + 1) / pieces * dx, y + (piece + 1) / pieces * dy
             whole = False
             for other in range(last, min(last + 2, len(others.ends))):
-                cx, cy = others.ends[other, 0], others.ends[other, 1]
-                ex, ey = others.ends[other, 2], others.ends[other, 3]
-                low, high = within(ax, ay, bx, by, cx, cy, ex, ey, reach)
+                low, high = within(ax, ay, bx, by, others.ends, other, reach)
                 if low <= 0 and high >= 1:
                     whole, last = True, other
                     break
@@ -167,9 +161,7 @@ def _leave(
             visit += 1
             count = 0
             for k in range(beside(others, ax, ay, bx, by, reach, stamp, visit, near)):
-                cx, cy = others.ends[near[k], 0], others.ends[near[k], 1]
-                ex, ey = others.ends[near[k], 2], others.ends[near[k], 3]
-                low, high = within(ax, ay, bx, by, cx, cy, ex, ey, reach)
+                low, high = within(ax, ay, bx, by, others.ends, near[k], reach)
                 if low > high:
                     continue
                 if low <= 0 and high >= 1:

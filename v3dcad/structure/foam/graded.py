@@ -72,15 +72,15 @@ def graded_sites(
     high: Floats,
     settings: FillSettings,
     progress: Progress = unheard,
-    wanted: Callable[[], Floats] = lambda: np.empty((0, 3)),
+    wanted: Callable[[], Floats] | None = None,
 ) -> Graded:
     """The sites for a part in the box low … high (3,), mm, with cells as large as a field says.
 
     `field` takes points (n, 3), mm, bed coordinates, and gives sizes (n,), mm, all above 0: there
     are 1 / size² cells a mm² of a horizontal section. Sites stand where they are `wanted` (m, 3),
-    mm, if walls allow it. Raises `SettingError` for more than `MOST`
-    sites, for cells larger than the box, for a field that is too steep if `settings.strict`, and
-    where no sites can be found whose walls all lean at most `settings.max_overhang`.
+    mm, if walls allow it. Raises `SettingError` for more than `MOST` sites, for cells larger than
+    the box, for a field that is too steep if `settings.strict`, and where no sites can be found
+    whose walls all lean at most `settings.max_overhang`.
     """
     stretch = graded_stretch(settings)
     squeezed = np.array([1, 1, 1 / stretch])
@@ -100,7 +100,7 @@ def graded_sites(
     grid = radii_for(sizes.grid)
     targets = targets_of(grid, inside, PAD)
     _refuse_many(EXPECTED * float(targets.shares[-1]))
-    first = wanted() * squeezed
+    first = wanted() * squeezed if wanted else np.empty((0, 3))
     state = np.array([settings.random_seed], np.uint64)
     failure = ""
     for clear in [*(CLEAR if len(first) else ()), *(None,) * TRIES]:
