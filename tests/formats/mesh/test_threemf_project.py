@@ -5,8 +5,11 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree
 
+import lib3mf
 import pytest
 import trimesh
 
@@ -37,6 +40,58 @@ def test_the_part_comes_back_without_its_foam(structure: Structure, tmp_path: Pa
     assert told == ["left out 1 modifier"]
     # In the middle of the bed of 220 × 220 mm, on it.
     assert mesh.vertices.min(axis=0) == pytest.approx([98, 100, 0])
+
+
+def volumes(file: Path) -> dict[int, float]:
+    """Volumes of the meshes in a file by their numbers, mm³, as lib3mf reads them."""
+    model = lib3mf.get_wrapper().CreateModel()
+    model.QueryReader("3mf").ReadFromFile(str(file))
+    found, meshes = {}, model.GetMeshObjects()
+    while meshes.MoveNext():
+        mesh = meshes.GetCurrentMeshObject()
+        corners = [tuple(vertex.Coordinates) for vertex in mesh.GetVertices()]
+        faces = [tuple(triangle.Indices) for triangle in mesh.GetTriangleIndices()]
+        solid = trimesh.Trimesh(corners, faces, process=False)
+        found[mesh.GetUniqueResourceID()] = float(solid.volume)
+    return found
+
+
+def test_both_models_hold_part_and_foam(structure: Structure, tmp_path: Path) -> None:
+    """As PrusaSlicer has them, in one mesh, and as OrcaSlicer has them, each in one of its own."""
+    file, other = tmp_path / "box.3mf", tmp_path / "ranges.3mf"
+    structure.write_3mf(file, "project", thickness=WALLS)
+    with zipfile.ZipFile(file) as both, zipfile.ZipFile(other, "w") as ranges:
+        for name in both.namelist():
+            ranges.writestr(name, both.read(name).replace(b"/OrcaSlicer/3d", b"/3D/3d"))
+    part, foam = volumes(file).values()
+    assert part == pytest.approx(24 * 20 * 6)
+    assert 0 < foam < part
+    assert sum(volumes(other).values()) == pytest.approx(part + foam)
+
+
+def test_orcaslicer_is_told_of_the_parts_that_its_model_has(
+    structure: Structure, tmp_path: Path
+) -> None:
+    """By its source it finds them by number, keeps what it is told of a file that PrusaSlicer did
+    not write, and asks the model in the folder 3D who did.
+    """
+    file = tmp_path / "box.3mf"
+    structure.write_3mf(file, "project", thickness=WALLS)
+    with zipfile.ZipFile(file) as package:
+        told = ElementTree.fromstring(package.read("Metadata/model_settings.config"))
+        model = ElementTree.fromstring(package.read("OrcaSlicer/3dmodel.model"))
+        assert b"PrusaSlicer" not in package.read("3D/3dmodel.model")
+    core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+    (whole,) = told
+    (item,) = model.iter(f"{core}item")
+    components = [row.attrib["objectid"] for row in model.iter(f"{core}component")]
+    parts = {part.attrib["id"]: part for part in whole.iter("part")}
+    assert item.attrib["objectid"] == whole.attrib["id"]
+    assert list(parts) == components
+    assert [part.attrib["subtype"] for part in parts.values()] == ["normal_part", "modifier_part"]
+    filled = {row.attrib["key"]: row.attrib["value"] for row in parts[components[1]]}
+    assert filled["sparse_infill_density"] == "100%"
+    assert filled["sparse_infill_pattern"] == "concentric"
 
 
 def test_the_same_structure_gives_the_same_bytes(structure: Structure, tmp_path: Path) -> None:

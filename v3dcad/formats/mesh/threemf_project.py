@@ -1,13 +1,15 @@
 """3MF for slicers: the part, and in it its foam as a modifier that is filled wall by wall.
 
-PrusaSlicer lists the volumes of an object, and their settings, in a file of its own beside the
-model. In the foam the part is filled by 100 % with lines along the walls ("concentric"), which the
+In the foam the part is filled by 100 % with lines along the walls ("concentric"), which the
 slicer's Arachne engine lays as one bead or two, as wide as the walls are; elsewhere it is empty.
 Perimeters and skins are the slicer's.
 
-OrcaSlicer and Bambu Studio read such a file in the same way if the name of the application that
-wrote it has PrusaSlicer in it. Their names of the settings stand beside PrusaSlicer's; each slicer
-passes over names that it does not know.
+No one model does for all slicers: PrusaSlicer takes the volumes of an object as ranges of one
+mesh's triangles, OrcaSlicer and Bambu Studio as components, each a mesh of its own; what either is
+and its settings stand in a file beside the model, each with its own names. PrusaSlicer reads what
+lies in the folder 3D, the others what the package names as its model. So it has both. OrcaSlicer
+reads all settings only of a file whose application is not PrusaSlicer (its 3mf.cpp keeps names and
+kinds of volumes, and passes over the rest).
 """
 
 from __future__ import annotations
@@ -18,8 +20,8 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from v3dcad.formats.mesh.threemf_reader import MODEL
-from v3dcad.formats.mesh.threemf_roles import PRUSA
-from v3dcad.model import Floats, Mesh
+from v3dcad.formats.mesh.threemf_roles import BAMBU, PRUSA
+from v3dcad.model import Mesh
 from v3dcad.settings import PrintSettings
 
 XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -31,8 +33,10 @@ TYPES = f"""{XML}<Types xmlns="{PACKAGE}/content-types">
 <Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
 </Types>
 """
+RANGES, PARTS = "3D/3dmodel.model", "OrcaSlicer/3dmodel.model"
+"""The model whose volumes are ranges of triangles, and the one whose volumes are components."""
 RELATIONS = f"""{XML}<Relationships xmlns="{PACKAGE}/relationships">
-<Relationship Target="/3D/3dmodel.model" Id="model" Type="{MODEL}"/>
+<Relationship Target="/{PARTS}" Id="model" Type="{MODEL}"/>
 </Relationships>
 """
 BEGINNING = (1980, 1, 1, 0, 0, 0)
@@ -41,15 +45,8 @@ SLIC3R_VERSION = "1"
 """Without it, PrusaSlicer puts volumes elsewhere, as old versions did."""
 IDENTITY = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"
 
-FOAM = {
-    "fill_density": "100%",
-    "fill_pattern": "concentric",
-    "solid_infill_below_area": "0",
-    "sparse_infill_density": "100%",
-    "sparse_infill_pattern": "concentric",
-    "minimum_sparse_infill_area": "0",
-}
-"""Settings of the foam, in the words of PrusaSlicer and then of OrcaSlicer."""
+PART, FOAM, OBJECT = "2", "3", "4"
+"""Numbers of objects in the model of components; that of ranges has one, 1."""
 
 
 def write_project(path: Path, part: Mesh, foam: Mesh, name: str, layer_height: float) -> None:
@@ -59,75 +56,135 @@ def write_project(path: Path, part: Mesh, foam: Mesh, name: str, layer_height: f
     meshes give the same bytes.
     """
     printing = PrintSettings()
-    count, last = len(part.triangles), len(part.triangles) + len(foam.triangles) - 1
-    whole = _told("object", {"name": name, **_shells(layer_height)})
-    inside = {"name": "foam", "volume_type": "ParameterModifier", "matrix": IDENTITY, **FOAM}
-    outside = {"name": name, "volume_type": "ModelPart", "matrix": IDENTITY}
-    volumes = (
-        f'<config>\n<object id="1">\n{whole}'
-        f'<volume firstid="0" lastid="{count - 1}">\n{_told("volume", outside)}</volume>\n'
-        f'<volume firstid="{count}" lastid="{last}">\n{_told("volume", inside)}</volume>\n'
-        "</object>\n</config>\n"
-    )
     width, depth = printing.bed_size()
+    centre = (width / 2, depth / 2)
     with zipfile.ZipFile(path, "w") as archive:
         for file, text in {
             "[Content_Types].xml": TYPES,
             "_rels/.rels": RELATIONS,
-            "3D/3dmodel.model": XML + _model(part, foam, width / 2, depth / 2),
-            PRUSA: XML + volumes,
+            RANGES: _ranges_model(part, foam, centre),
+            PRUSA: _ranges_settings(part, foam, name, printing, layer_height),
+            PARTS: _parts_model(part, foam, centre),
+            BAMBU: _parts_settings(name, printing, layer_height),
         }.items():
             entry = zipfile.ZipInfo(file, BEGINNING)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, text)
 
 
-def _shells(layer_height: float) -> dict[str, str]:
-    """Settings of the whole object: shells as v3dcad prints them by default, nothing in between."""
-    printing = PrintSettings()
-    height, walls = f"{layer_height:g}", str(printing.perimeters)
-    below, above = (str(count) for count in printing.solid_layers())
-    return {
-        "layer_height": height,
-        "perimeters": walls,
-        "bottom_solid_layers": below,
-        "top_solid_layers": above,
+def _ranges_settings(
+    part: Mesh, foam: Mesh, name: str, printing: PrintSettings, layer_height: float
+) -> str:
+    """What PrusaSlicer is told: shells as v3dcad prints them by default, nothing in between."""
+    below, above = printing.solid_layers()
+    whole = {
+        "name": name,
+        "layer_height": f"{layer_height:g}",
+        "perimeters": str(printing.perimeters),
+        "bottom_solid_layers": str(below),
+        "top_solid_layers": str(above),
         "fill_density": "0%",
         "perimeter_generator": "arachne",
-        "wall_loops": walls,
-        "bottom_shell_layers": below,
-        "top_shell_layers": above,
+    }
+    outside = {"name": name, "volume_type": "ModelPart", "matrix": IDENTITY}
+    inside = {
+        "name": "foam",
+        "volume_type": "ParameterModifier",
+        "matrix": IDENTITY,
+        "fill_density": "100%",
+        "fill_pattern": "concentric",
+        "solid_infill_below_area": "0",
+    }
+    count, last = len(part.triangles), len(part.triangles) + len(foam.triangles) - 1
+    return (
+        f'{XML}<config>\n<object id="1">\n{_told(whole, "object")}'
+        f'<volume firstid="0" lastid="{count - 1}">\n{_told(outside, "volume")}</volume>\n'
+        f'<volume firstid="{count}" lastid="{last}">\n{_told(inside, "volume")}</volume>\n'
+        "</object>\n</config>\n"
+    )
+
+
+def _parts_settings(name: str, printing: PrintSettings, layer_height: float) -> str:
+    """The same for OrcaSlicer and Bambu Studio, in their words."""
+    below, above = printing.solid_layers()
+    whole = {
+        "name": name,
+        "layer_height": f"{layer_height:g}",
+        "wall_loops": str(printing.perimeters),
+        "bottom_shell_layers": str(below),
+        "top_shell_layers": str(above),
         "sparse_infill_density": "0%",
         "wall_generator": "arachne",
     }
+    inside = {
+        "name": "foam",
+        "sparse_infill_density": "100%",
+        "sparse_infill_pattern": "concentric",
+        "internal_solid_infill_pattern": "concentric",
+        "minimum_sparse_infill_area": "0",
+    }
+    return (
+        f'{XML}<config>\n<object id="{OBJECT}">\n{_told(whole)}'
+        f'<part id="{PART}" subtype="normal_part">\n{_told({"name": name})}</part>\n'
+        f'<part id="{FOAM}" subtype="modifier_part">\n{_told(inside)}</part>\n'
+        "</object>\n</config>\n"
+    )
 
 
-def _told(kind: str, values: Mapping[str, str]) -> str:
+def _told(values: Mapping[str, str], kind: str | None = None) -> str:
+    of = f'type="{kind}" ' if kind else ""
     return "".join(
-        f'<metadata type="{kind}" key="{key}" value={quoteattr(value)}/>\n'
+        f"<metadata {of}key={quoteattr(key)} value={quoteattr(value)}/>\n"
         for key, value in values.items()
     )
 
 
-def _model(part: Mesh, foam: Mesh, x: float, y: float) -> str:
-    """The model with both meshes as one, since the volumes are ranges of its triangles."""
+def _ranges_model(part: Mesh, foam: Mesh, centre: tuple[float, float]) -> str:
+    """The model with both meshes as one."""
+    vertices = _vertices(part) + _vertices(foam)
+    triangles = _triangles(part, 0) + _triangles(foam, len(part.vertices))
+    return _model(_object("1", _mesh(vertices, triangles)), "1", centre)
+
+
+def _parts_model(part: Mesh, foam: Mesh, centre: tuple[float, float]) -> str:
+    """The model with each mesh an object, and an object made of both."""
+    meshes = "".join(
+        _object(number, _mesh(_vertices(mesh), _triangles(mesh, 0)))
+        for number, mesh in ((PART, part), (FOAM, foam))
+    )
+    both = "".join(f'<component objectid="{number}"/>\n' for number in (PART, FOAM))
+    whole = _object(OBJECT, f"<components>\n{both}</components>\n")
+    return _model(meshes + whole, OBJECT, centre)
+
+
+def _model(objects: str, built: str, centre: tuple[float, float]) -> str:
+    """A model of objects, of which the one with the number `built` is printed around a centre."""
+    x, y = centre
     return (
-        f'<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}" '
+        f'{XML}<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}" '
         f'xmlns:slic3rpe="{SLIC3R}">\n'
         f'<metadata name="slic3rpe:Version3mf">{SLIC3R_VERSION}</metadata>\n'
-        '<metadata name="Application">v3dcad, a project for PrusaSlicer</metadata>\n'
-        '<resources>\n<object id="1" type="model">\n<mesh>\n<vertices>\n'
-        f"{_vertices(part.vertices)}{_vertices(foam.vertices)}</vertices>\n<triangles>\n"
-        f"{_triangles(part, 0)}{_triangles(foam, len(part.vertices))}</triangles>\n</mesh>\n"
-        "</object>\n</resources>\n"
-        f'<build>\n<item objectid="1" transform="1 0 0 0 1 0 0 0 1 {x:g} {y:g} 0"/>\n</build>\n'
-        "</model>\n"
+        '<metadata name="Application">v3dcad</metadata>\n'
+        f"<resources>\n{objects}</resources>\n"
+        f'<build>\n<item objectid="{built}" transform="1 0 0 0 1 0 0 0 1 {x:g} {y:g} 0"/>\n'
+        "</build>\n</model>\n"
     )
 
 
-def _vertices(points: Floats) -> str:
+def _object(number: str, held: str) -> str:
+    return f'<object id="{number}" type="model">\n{held}</object>\n'
+
+
+def _mesh(vertices: str, triangles: str) -> str:
+    return (
+        f"<mesh>\n<vertices>\n{vertices}</vertices>\n"
+        f"<triangles>\n{triangles}</triangles>\n</mesh>\n"
+    )
+
+
+def _vertices(mesh: Mesh) -> str:
     return "".join(
-        f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>\n' for x, y, z in points.tolist()
+        f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>\n' for x, y, z in mesh.vertices.tolist()
     )
 
 
