@@ -5,11 +5,10 @@ slicer's Arachne engine lays as one bead or two, as wide as the walls are; elsew
 Perimeters and skins are the slicer's.
 
 No one model does for all slicers: PrusaSlicer takes the volumes of an object as ranges of one
-mesh's triangles, OrcaSlicer and Bambu Studio as components, each a mesh of its own; what either is
-and its settings stand in a file beside the model, each with its own names. PrusaSlicer reads what
-lies in the folder 3D, the others what the package names as its model. So it has both. OrcaSlicer
-reads all settings only of a file whose application is not PrusaSlicer (its 3mf.cpp keeps names and
-kinds of volumes, and passes over the rest).
+mesh's triangles, OrcaSlicer as components, each a mesh of its own; what each is, and its settings,
+stand in a file beside the model, with names of the slicer's own. PrusaSlicer reads what lies in the
+folder 3D, OrcaSlicer what the package names as its model. So it has both. By its source OrcaSlicer
+takes a file whose application is PrusaSlicer for one of that's, and then drops all settings.
 """
 
 from __future__ import annotations
@@ -105,7 +104,7 @@ def _ranges_settings(
 
 
 def _parts_settings(name: str, printing: PrintSettings, layer_height: float) -> str:
-    """The same for OrcaSlicer and Bambu Studio, in their words."""
+    """The same for OrcaSlicer, in its words."""
     below, above = printing.solid_layers()
     whole = {
         "name": name,
