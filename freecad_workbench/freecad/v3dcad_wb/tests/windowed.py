@@ -278,6 +278,37 @@ def check_cells_of_many_sizes() -> None:
     Gui.ActiveDocument = Gui.getDocument("Fill")
 
 
+def check_cells_under_roofs() -> None:
+    """They come into the preview once no value changes any more, and not after the panel is shut."""
+    document = new_document("Roofs")
+    part = document.addObject("Part::Box", "Box")
+    part.Length = part.Width = 60
+    document.recompute()
+    select(part)
+    press("V3dcad_Fill")
+    until(idle)
+    asked, ask = [], worker.ask
+    worker.ask = lambda job: (asked.append(job.request["settings"]["roof_size"]), ask(job))
+    try:
+        roofs = panel_widget("roof_size")
+        words = roofs.findChild(QtWidgets.QComboBox)
+        words.setCurrentIndex(words.findData("given"))
+        roofs.findChild(Number).setValue(5)
+        until(lambda: asked and asked[-1] == 5)
+        until(idle)
+        assert asked[0] == "off", asked
+        asked.clear()
+        roofs.findChild(Number).setValue(6)
+        press_button("Cancel")
+        pump(1)
+        assert asked == ["off"], asked
+    finally:
+        worker.ask = ask
+    App.closeDocument(document.Name)
+    App.setActiveDocument("Fill")
+    Gui.ActiveDocument = Gui.getDocument("Fill")
+
+
 def check_changed_source_and_undo() -> None:
     document = App.ActiveDocument
     fill, part = fill_of(document), document.Cone
@@ -759,6 +790,7 @@ CHECKS = [
     check_fill_by_command,
     check_live_preview,
     check_cells_of_many_sizes,
+    check_cells_under_roofs,
     check_changed_source_and_undo,
     check_cancel,
     check_crash,
