@@ -279,7 +279,7 @@ def check_cells_of_many_sizes() -> None:
 
 
 def check_cells_under_roofs() -> None:
-    """They come into the preview once no value changes any more, and not after the panel is shut."""
+    """They come into the preview once no value changes, and not after the panel is shut."""
     document = new_document("Roofs")
     part = document.addObject("Part::Box", "Box")
     part.Length = part.Width = 60
