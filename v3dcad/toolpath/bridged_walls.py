@@ -26,7 +26,7 @@ from v3dcad.geometry.compiled.arrays import (
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.loops.reach import Stretches
 from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats
-from v3dcad.toolpath.overhang import ROUNDING
+from v3dcad.toolpath.spans import merged
 from v3dcad.toolpath.stroke import Stroke
 
 LEAST = 1.0
@@ -80,7 +80,7 @@ def with_bridged_walls(
 @compiled(INTERNAL)
 def _snapped(place: float, at: ConstFloatArray, shortest: float) -> float:
     """A place on a line, mm; or a corner, which lie `at` some mm on it, nearer than `shortest`."""
-    after = min(max(np.searchsorted(at, place), 1), len(at) - 1)
+    after = min(max(int(np.searchsorted(at, place)), 1), len(at) - 1)
     before_it, after_it = place - at[after - 1], at[after] - place
     nearest = at[after - 1] if before_it < after_it else at[after]
     return nearest if abs(place - nearest) < shortest else place
@@ -116,10 +116,7 @@ def _wall_spans(
         begin, end = at[step] + low[k] * long, at[step] + high[k] * long
         places[k, 0], places[k, 1] = begin, end
         if feature[step] == CELLS or feature[step] == INNER_PERIMETER:
-            if count == 0 or begin > spans[count - 1, 1] + ROUNDING:
-                spans[count, 0], spans[count, 1] = begin, end
-                count += 1
-            spans[count - 1, 1] = max(spans[count - 1, 1], end)
+            count = merged(begin, end, spans, count)
     kept = 0
     for k in range(count):
         if spans[k, 1] - spans[k, 0] >= least:

@@ -21,7 +21,7 @@ from v3dcad.geometry.compiled.arrays import (
 )
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.loops.segments import Segments, beside
-from v3dcad.model import Floats, Ints
+from v3dcad.model import Floats
 
 PIECE = 40.0
 """Reaches: longer segments are looked at piece by piece, so that few others are near."""
@@ -32,11 +32,11 @@ ROUNDING = 1e-9
 class Stretches(NamedTuple):
     """Stretches of segments, in order along each."""
 
-    segment: Ints
+    segment: IntArray
     """(k,) whose each is"""
-    low: Floats
+    low: FloatArray
     """(k,) shares of the segment, 0 … 1, where each begins"""
-    high: Floats
+    high: FloatArray
     """(k,) and ends"""
 
 
