@@ -7,6 +7,7 @@ perimeter.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -16,14 +17,16 @@ from v3dcad.geometry.compiled.arrays import (
     BoolArray,
     ConstFloatArray,
     ConstFloatRows,
+    ConstInt8Array,
+    ConstIntArray,
     FloatArray,
     FloatRows,
     IntArray,
 )
-from v3dcad.geometry.compiled.options import UNCOUNTED, compiled
+from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.loops.reach import Stretches
-from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats, Ints
-from v3dcad.toolpath.overhang import merged
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, Floats
+from v3dcad.toolpath.spans import merged
 from v3dcad.toolpath.stroke import Stroke
 
 LEAST = 1.0
@@ -56,30 +59,71 @@ def with_bridged_walls(
     for number, stroke in enumerate(strokes):
         own = slice(begins[number], begins[number + 1])
         of, low, high = hang.segment[own] - first[number], hang.low[own], hang.high[own]
-        walls = (stroke.feature[of] == CELLS) | (stroke.feature[of] == INNER_PERIMETER)
-        if walls.any():
-            x, y = np.diff(stroke.points, axis=0).T
-            long = np.sqrt(x * x + y * y)
-            at = np.concatenate([[0.0], np.cumsum(long)])
-            low, high = at[of] + low * long[of], at[of] + high * long[of]
-            spans = merged(low[walls], high[walls])
-            spans = _snapped(spans[np.diff(spans)[:, 0] >= LEAST * width], at, shortest)
-            spans = spans[np.diff(spans)[:, 0] > 0]
+        at, places, spans = np.empty(len(stroke.points)), *np.empty((2, len(of), 2))
+        count = _wall_spans(
+            stroke.points, stroke.feature, of, low, high, LEAST * width, shortest, at, places, spans
+        )
+        if count:
+            spans = spans[:count]
             length += float(np.diff(spans).sum())
-            if len(spans):
-                stroke, at = _cut(stroke, at, spans)
-            of, low, high = _parted(low, high, at)
+            stroke, at = _cut(stroke, at, spans)
+            room = 2 * len(of) + len(at)
+            of, low, high = np.empty(room, np.int64), *np.empty((2, room))
+            size = _part(places, at, of, low, high)
+            of, low, high = of[:size], low[:size], high[:size]
         found.append(stroke)
         stretches.append((steps + of, low, high))
         steps += len(stroke.laid)
     return Bridged(found, Stretches(*map(np.concatenate, zip(*stretches, strict=True))), length)
 
 
-def _snapped(places: Floats, at: Floats, shortest: float) -> Floats:
-    """Places along a line, mm, those nearer than `shortest` to a corner `at` some mm on it."""
-    after = np.clip(np.searchsorted(at, places), 1, len(at) - 1)
-    nearest = np.where(places - at[after - 1] < at[after] - places, at[after - 1], at[after])
-    return np.where(np.abs(places - nearest) < shortest, nearest, places)
+@compiled(INTERNAL)
+def _snapped(place: float, at: ConstFloatArray, shortest: float) -> float:
+    """A place on a line, mm; or a corner, which lie `at` some mm on it, nearer than `shortest`."""
+    after = min(max(int(np.searchsorted(at, place)), 1), len(at) - 1)
+    before_it, after_it = place - at[after - 1], at[after] - place
+    nearest = at[after - 1] if before_it < after_it else at[after]
+    return nearest if abs(place - nearest) < shortest else place
+
+
+@compiled(UNCOUNTED)
+def _wall_spans(
+    points: ConstFloatRows,
+    feature: ConstInt8Array,
+    of: ConstIntArray,
+    low: ConstFloatArray,
+    high: ConstFloatArray,
+    least: float,
+    shortest: float,
+    at: FloatArray,
+    places: FloatRows,
+    spans: FloatRows,
+) -> int:
+    """On how many `spans`, mm along a stroke, walls and inner perimeters hang, `least` mm or more.
+
+    Stretches from `low` to `high` of steps `of` (n,) hang: at some `places` (n, 2), mm along the
+    stroke, whose points lie `at` some mm.
+    """
+    at[0] = 0.0
+    for k in range(len(feature)):
+        x, y = points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1]
+        at[k + 1] = at[k] + math.sqrt(x * x + y * y)
+    count = 0
+    for k in range(len(of)):
+        step = of[k]
+        x, y = points[step + 1, 0] - points[step, 0], points[step + 1, 1] - points[step, 1]
+        long = math.sqrt(x * x + y * y)
+        begin, end = at[step] + low[k] * long, at[step] + high[k] * long
+        places[k, 0], places[k, 1] = begin, end
+        if feature[step] == CELLS or feature[step] == INNER_PERIMETER:
+            count = merged(begin, end, spans, count)
+    kept = 0
+    for k in range(count):
+        if spans[k, 1] - spans[k, 0] >= least:
+            begin, end = _snapped(spans[k, 0], at, shortest), _snapped(spans[k, 1], at, shortest)
+            spans[kept, 0], spans[kept, 1] = begin, end
+            kept += end > begin
+    return kept
 
 
 def _cut(stroke: Stroke, at: Floats, spans: Floats) -> tuple[Stroke, Floats]:
@@ -143,18 +187,28 @@ def _cut_steps(
     return size
 
 
-def _parted(low: Floats, high: Floats, at: Floats) -> tuple[Ints, Floats, Floats]:
-    """Stretches `low` … `high` (n,), mm, of a stroke whose points lie `at` some mm: by its steps.
+@compiled(UNCOUNTED)
+def _part(
+    places: ConstFloatRows, at: ConstFloatArray, of: IntArray, low: FloatArray, high: FloatArray
+) -> int:
+    """Number of stretches once those at `places` (n, 2), mm along a stroke, are told by its steps.
 
-    The number of each one's step, and where on that it begins and ends, in shares of it.
+    The stroke's points lie `at` some mm. For each comes its step, and where on that it begins and
+    ends, in shares of it.
     """
-    first = np.searchsorted(at, low, side="right") - 1
-    count = np.maximum(np.searchsorted(at, high) - first, 1)
-    begins = np.cumsum(count) - count
-    step = np.repeat(first - begins, count) + np.arange(count.sum())
-    start, size = at[step], np.maximum(at[step + 1] - at[step], 1e-300)
-    return (
-        step,
-        np.maximum((np.repeat(low, count) - start) / size, 0.0),
-        np.minimum((np.repeat(high, count) - start) / size, 1.0),
-    )
+    size = first = 0
+    for k in range(len(places)):
+        begin, end = places[k, 0], places[k, 1]
+        while at[first + 1] <= begin:
+            first += 1
+        step = first
+        while True:
+            start, long = at[step], max(at[step + 1] - at[step], 1e-300)
+            of[size] = step
+            low[size] = max((begin - start) / long, 0.0)
+            high[size] = min((end - start) / long, 1.0)
+            size += 1
+            step += 1
+            if at[step] >= end:
+                break
+    return size

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -30,13 +30,22 @@ def cuts(sections: Iterable[Section], settings: PrintSettings) -> Iterator[Cut]:
 
     They are printed from the first one on that has room for a bead: a part that stands on a point
     or a line may begin with sections that have none. Corners of fine meshes that G-code could not
-    tell from a straight line are left out; by them, most of the time would be lost.
+    tell from a straight line are left out; by them, most of the time would be lost. Sections of
+    upright walls are the same again, and so is the cut then, which saves time all along.
     """
-    begun = False
+    last: Section | None = None
+    cut = Cut(shapely.Polygon(), printed=False)
     for section in sections:
-        area = section_area(section).simplify(RESOLUTION)
-        begun = begun or not inset(area, outermost_depth(settings)).is_empty
-        yield Cut(area, begun)
+        if last is None or not _same(section.rings, last.rings):
+            area = section_area(section).simplify(RESOLUTION)
+            printed = cut.printed or not inset(area, outermost_depth(settings)).is_empty
+            last, cut = section, Cut(area, printed)
+        yield cut
+
+
+def _same(rings: Sequence[Floats], others: Sequence[Floats]) -> bool:
+    """Whether rings (k, 2) are the same, point by point."""
+    return len(rings) == len(others) and all(map(np.array_equal, rings, others))
 
 
 def brim_width(area: shapely.Geometry, settings: PrintSettings) -> float:

@@ -11,7 +11,7 @@ import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import corners_cut
-from v3dcad.geometry.loops.curves import GRID, Curves, nearest_step
+from v3dcad.geometry.loops.curves import GRID, Curves, nearest_step, opened
 from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.loops import Loops
@@ -123,21 +123,19 @@ class _Left:
         curve = int(np.searchsorted(self._curves.first, step, side="right")) - 1
         own = slice(*self._curves.first[curve : curve + 2].tolist())
         self._done[curve] = True
-        points, owner = self._curves.points[own], self._curves.owner[own]
-        step -= own.start
-        after = (step + 1) % len(points)
-        place = points[step] + share * (points[after] - points[step])
-        from_, to = np.hypot(*(place - points[[step, after]]).T)
-        begin = step if from_ <= to else after
-        feature = np.where(owner < 0, INNER_PERIMETER, CELLS)
-        if min(from_, to) >= shortest:  # the place is a corner of its own
-            points, feature = (
-                np.insert(points, after, place, axis=0),
-                np.insert(feature, after, feature[step]),
-            )
-            begin = after
-        turned = np.roll(np.arange(len(points)), -begin)
-        return _open(Closed(points[turned], feature[turned], np.full(points.shape, np.nan)))
+        room = own.stop - own.start + 1
+        points, owner = np.empty((room + 1, 2)), np.empty(room, np.int64)
+        size = opened(
+            self._curves.points[own],
+            self._curves.owner[own],
+            step - own.start,
+            share,
+            shortest,
+            points,
+            owner,
+        )
+        feature = np.where(owner[:size] < 0, INNER_PERIMETER, CELLS)
+        return Closed(points[: size + 1], feature, np.full((size, 2), np.nan))
 
 
 def _open(loop: Closed) -> Closed:

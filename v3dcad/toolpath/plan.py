@@ -207,7 +207,7 @@ def _stroke(graph: PathGraph, vertices: Ints, edges: Ints, laid: Floats) -> Stro
 def _line(points: Floats, feature: int) -> Stroke:
     steps = np.diff(points, axis=0)
     return Stroke(
-        points,
+        np.ascontiguousarray(points),
         np.full(len(steps), feature, dtype=np.int8),
         np.hypot(*steps.T),
         np.full(steps.shape, np.nan),

@@ -94,7 +94,7 @@ def _minus(area: shapely.Geometry, other: shapely.Geometry) -> shapely.Geometry:
 
     That most walls have the very same section again saves time.
     """
-    if area.equals_exact(other):
+    if area is other or area.equals_exact(other):
         return NOTHING
     parts = shapely.get_parts(shapely.difference(area, other))
     wide = parts[2 * shapely.area(parts) > SLIVER * shapely.length(parts)]

@@ -32,6 +32,7 @@ def _read_only(number: types.Type, dimensions: int) -> types.Type:
     return types.Array(number, dimensions, "C", readonly=True)
 
 
+ConstInt8Array = Annotated[NDArray[np.int8], _read_only(types.int8, 1)]
 ConstIntArray = Annotated[NDArray[np.int64], _read_only(types.int64, 1)]
 ConstIntRows = Annotated[NDArray[np.int64], _read_only(types.int64, 2)]
 ConstFloatArray = Annotated[NDArray[np.float64], _read_only(types.float64, 1)]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import ConstIntArray, FloatArray, FloatRows, IntArray
-from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.loops.corners import CORNER
 from v3dcad.geometry.loops.reach import within
 from v3dcad.geometry.loops.segments import Segments, beside
@@ -95,7 +95,7 @@ def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
     return amounts[2]
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def _room(
     x: float, y: float, nx: float, ny: float, ax: float, ay: float, bx: float, by: float
 ) -> float:
@@ -147,7 +147,7 @@ def _follow(ends: FloatRows, stroke: ConstIntArray, width: float, beads: Beads) 
         lost[one] = (kite - notch) * width * width / 8
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def _meets(segments: Segments, beads: Beads, width: float, one: int, other: int) -> bool:
     """Whether two beads near each other share room: not those where a stroke only bends."""
     run, passed, length = beads.run, beads.passed, beads.length
@@ -161,7 +161,7 @@ def _meets(segments: Segments, beads: Beads, width: float, one: int, other: int)
     return ahead >= 1e-9 and along <= BACK * length[one] * length[other]
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def _contacts(
     segments: Segments, beads: Beads, width: float, near: Near, found: int, one: int
 ) -> int:
@@ -186,7 +186,7 @@ def _contacts(
     return count
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def _own(
     segments: Segments,
     near: Near,
@@ -211,7 +211,7 @@ def _own(
     return most
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def _around(
     segments: Segments,
     width: float,

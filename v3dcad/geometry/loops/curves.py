@@ -171,3 +171,39 @@ def nearest_step(
             if apart < least:
                 found, before, least = k, share, apart
     return found, before, math.sqrt(least)
+
+
+@compiled(UNCOUNTED)
+def opened(
+    points: ConstFloatRows,
+    owner: ConstIntArray,
+    step: int,
+    share: float,
+    shortest: float,
+    out: FloatRows,
+    whose: IntArray,
+) -> int:
+    """Write a closed curve from a place on it round to it again; tells how many steps it has.
+
+    The place is the `share` of a step (p,) that lies before it. A corner within `shortest` mm
+    stands for it, so that no shorter step is made. `out` (p + 2, 2) gets the points, the first one
+    again as the last, `whose` (p + 1,) the `owner` of each step.
+    """
+    count, size = len(points), 0
+    after = step + 1 if step + 1 < count else 0
+    dx, dy = points[after, 0] - points[step, 0], points[after, 1] - points[step, 1]
+    x, y = points[step, 0] + share * dx, points[step, 1] + share * dy
+    passed = math.sqrt((x - points[step, 0]) ** 2 + (y - points[step, 1]) ** 2)
+    left = math.sqrt((x - points[after, 0]) ** 2 + (y - points[after, 1]) ** 2)
+    begin = after
+    if min(passed, left) >= shortest:  # the place is a corner of its own
+        out[0, 0], out[0, 1], whose[0] = x, y, owner[step]
+        size = 1
+    elif passed <= left:
+        begin = step
+    for number in range(count):
+        k = begin + number if begin + number < count else begin + number - count
+        out[size, 0], out[size, 1], whose[size] = points[k, 0], points[k, 1], owner[k]
+        size += 1
+    out[size, 0], out[size, 1] = out[0, 0], out[0, 1]
+    return size

@@ -25,6 +25,7 @@ from v3dcad.geometry.loops.curves import Curves, crossed
 from v3dcad.geometry.loops.facing import SLACK, facing
 from v3dcad.geometry.loops.links import RESTED, Linked
 from v3dcad.geometry.loops.loops import Loops, Measured, place_on
+from v3dcad.geometry.loops.union_find import root
 from v3dcad.geometry.loops.wall_ends import wall_ends
 
 GOLDEN = (math.sqrt(5) - 1) / 2
@@ -99,14 +100,6 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
 
 
 @compiled(INTERNAL)
-def _root(parent: IntArray, loop: int) -> int:
-    while parent[loop] != loop:
-        parent[loop] = parent[parent[loop]]
-        loop = parent[loop]
-    return loop
-
-
-@compiled(INTERNAL)
 def _free(
     start: float,
     stop: float,
@@ -171,7 +164,7 @@ def _choose(
     count, room, least, wide = 0, ROOM * spacing, LEAST_GAP * spacing, WIDE * spacing
     for k in order:
         one, other = pairs[k, 0], pairs[k, 1]
-        if _root(parent, one) == _root(parent, other):
+        if root(parent, one) == root(parent, other):
             continue
         low, high = along[k, 0], along[k, 1]
         for narrow in range(2):
@@ -211,6 +204,6 @@ def _choose(
             middles[count, 0], middles[count, 1] = place_on(loops, one, middle)
             link[count] = k
             count += 1
-            parent[_root(parent, one)] = _root(parent, other)
+            parent[root(parent, one)] = root(parent, other)
             break
     return count

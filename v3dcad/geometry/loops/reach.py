@@ -19,9 +19,9 @@ from v3dcad.geometry.compiled.arrays import (
     FloatRows,
     IntArray,
 )
-from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
+from v3dcad.geometry.compiled.options import INLINED, UNCOUNTED, compiled
 from v3dcad.geometry.loops.segments import Segments, beside
-from v3dcad.model import Floats, Ints
+from v3dcad.model import Floats
 
 PIECE = 40.0
 """Reaches: longer segments are looked at piece by piece, so that few others are near."""
@@ -32,11 +32,11 @@ ROUNDING = 1e-9
 class Stretches(NamedTuple):
     """Stretches of segments, in order along each."""
 
-    segment: Ints
+    segment: IntArray
     """(k,) whose each is"""
-    low: Floats
+    low: FloatArray
     """(k,) shares of the segment, 0 … 1, where each begins"""
-    high: Floats
+    high: FloatArray
     """(k,) and ends"""
 
 
@@ -62,7 +62,7 @@ def far_from(
         room = size
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def _clipped(
     low: float, high: float, at: float, rise: float, least: float, most: float
 ) -> tuple[float, float]:
@@ -74,7 +74,7 @@ def _clipped(
     return (low, high) if low <= high else (1.0, 0.0)
 
 
-@compiled(INTERNAL)
+@compiled(INLINED)
 def within(
     ax: float, ay: float, bx: float, by: float, ends: ConstFloatRows, other: int, reach: float
 ) -> tuple[float, float]:
