@@ -12,6 +12,7 @@ from diagrams import disc, layer, scattered, square, stack
 
 import v3dcad
 from v3dcad.errors import GeometryError
+from v3dcad.geometry.section_area import section_area
 from v3dcad.model import BRIM, EXTRUDE, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.first_layer import (
@@ -127,3 +128,13 @@ def test_areas_have_no_corners_that_gcode_cannot_tell_from_a_line() -> None:
     assert shapely.hausdorff_distance(cut.area, given) <= RESOLUTION
     (same,) = cuts([Section(0.0, (np.array([[0.0, 0], [5, 0], [5, 5], [0, 5]]),))], PrintSettings())
     assert shapely.get_num_coordinates(same.area) == 5
+
+
+def test_sections_that_come_again_are_cut_as_if_they_were_the_only_ones() -> None:
+    """But for what lies below: no bead fits into a needle, but one does over a square."""
+    needle, box, other = square(0.1).rings, square(5).rings, square(6).rings
+    order = [(), needle, needle, box, box, other, needle, box, ()]
+    found = list(cuts([Section(0.2 * k, rings) for k, rings in enumerate(order)], PrintSettings()))
+    assert [cut.printed for cut in found] == [k >= 3 for k in range(len(order))]
+    for rings, (area, _) in zip(order, found, strict=True):
+        assert area.area == pytest.approx(section_area(Section(0.0, rings)).area)

@@ -129,12 +129,12 @@ def spans_of(
 
 
 @compiled(INTERNAL)
-def merged(begin: float, end: float, merged: FloatRows, count: int) -> int:
-    """Add a stretch to some in order, and tell how many there are; those that meet are one."""
-    if count == 0 or begin > merged[count - 1, 1] + ROUNDING:
-        merged[count, 0], merged[count, 1] = begin, end
+def merged(begin: float, end: float, stretches: FloatRows, count: int) -> int:
+    """How many stretches there are with one more, in order; those that meet are one."""
+    if count == 0 or begin > stretches[count - 1, 1] + ROUNDING:
+        stretches[count, 0], stretches[count, 1] = begin, end
         count += 1
-    merged[count - 1, 1] = max(merged[count - 1, 1], end)
+    stretches[count - 1, 1] = max(stretches[count - 1, 1], end)
     return count
 
 
@@ -195,14 +195,14 @@ def longest(way: Way, spans: Floats) -> tuple[float, tuple[float, float]]:
     _join(corners, np.lexsort(corners.T), owner, whole)
     length = spans[:, 1] - spans[:, 0]
     bound = np.bincount(whole, length)
-    best, longest = 0.0, 0
+    best, found = 0.0, 0
     for span in np.argsort(-bound, kind="stable").tolist():
         if bound[span] <= best:
             break
         apart = _diameter(corners[whole[owner] == span])
         if apart > best:
-            best, longest = apart, span
-    middle = spans[np.argmax(np.where(whole == longest, length, 0.0))].mean()
+            best, found = apart, span
+    middle = spans[np.argmax(np.where(whole == found, length, 0.0))].mean()
     return best, place_at(way, float(middle))
 
 

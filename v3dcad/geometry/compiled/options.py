@@ -44,7 +44,8 @@ INTERNAL: Options = {**UNCOUNTED, "no_cpython_wrapper": True}
 """Most functions: only compiled code calls them, and they make no arrays."""
 
 INLINED: Options = {**INTERNAL, "forceinline": True}
-"""Short ones: passing many arrays would cost more than what they do."""
+"""Short ones, and those of the innermost loops: passing many arrays would cost more than what they
+do."""
 
 
 def compiled(options: Options) -> Callable[[Callable[P, R]], Callable[P, R]]:
