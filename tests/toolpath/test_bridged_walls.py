@@ -75,6 +75,18 @@ def test_a_bridge_begins_at_a_corner_that_is_near() -> None:
     assert np.hypot(*np.diff(found.points, axis=0).T).min() > 0.5 * SHORTEST
 
 
+def test_steps_without_a_length_may_end_a_bridge() -> None:
+    """As where the nozzle is asked to go where it is."""
+    points = np.array([[0.0, 0], [3.0, 0], [3.0, 0], [6.0, 0], [6.0, 0]])
+    line = stroke(points, CELLS)
+    whole = Stretches(np.arange(4), np.zeros(4), np.ones(4))
+    (found,), hang, length = with_bridged_walls([line], whole, W, SHORTEST)
+    assert length == pytest.approx(6)
+    assert (found.feature[:-1] == BRIDGE).all()
+    assert hang.segment.max() < len(found.feature)
+    assert sum(hung([found], hang)) == pytest.approx(6)
+
+
 def test_where_all_rests_nothing_changes() -> None:
     line = stroke(np.array([[0.0, 0], [3.0, 0], [3.0, 2.0]]), CELLS)
     below = Segments.of(line.points[:-1], line.points[1:], W)

@@ -199,7 +199,7 @@ def _part(
     size = first = 0
     for k in range(len(places)):
         begin, end = places[k, 0], places[k, 1]
-        while at[first + 1] <= begin:
+        while first + 2 < len(at) and at[first + 1] <= begin:
             first += 1
         step = first
         while True:
@@ -209,6 +209,6 @@ def _part(
             high[size] = min((end - start) / long, 1.0)
             size += 1
             step += 1
-            if at[step] >= end:
+            if step + 1 == len(at) or at[step] >= end:
                 break
     return size
