@@ -145,6 +145,12 @@ class Section(Value):
     runs: tuple[CurveRun, ...] = ()
     """which stretch of a ring is which exact curve; empty for triangles"""
 
+    def same_rings(self, other: Section) -> bool:
+        """Whether another section has the same rings, point by point."""
+        return len(self.rings) == len(other.rings) and all(
+            map(np.array_equal, self.rings, other.rings)
+        )
+
     def svg(self) -> str:
         """The section as the text of an SVG file, 1 unit a millimetre."""
         return "".join(sections_svg([self]))

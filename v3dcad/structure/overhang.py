@@ -121,7 +121,7 @@ def _rests(layer: Layer, below: Layer, reach: float) -> tuple[float, float, floa
     segments = diagram.vertices[diagram.edges[inner]]
     hints = diagram.edge_sites[inner, 0]
     outside = 0.0
-    if not _same_rings(layer.section, below.section):
+    if not layer.section.same_rings(below.section):
         whole = float(np.hypot(*(segments[:, 1] - segments[:, 0]).T).sum())
         segments, hints = _within(segments, hints, section_area(below.section))
         outside = whole - float(np.hypot(*(segments[:, 1] - segments[:, 0]).T).sum())
@@ -205,7 +205,3 @@ def _split(
     lines &= shapely.length(left) > NEGLIGIBLE
     ends = [shapely.get_coordinates(line)[[0, -1]] for line in left[lines]]
     return np.array(ends, dtype=np.float64).reshape(-1, 2, 2), hints[of[lines]]
-
-
-def _same_rings(one: Section, other: Section) -> bool:
-    return len(one.rings) == len(other.rings) and all(map(np.array_equal, one.rings, other.rings))

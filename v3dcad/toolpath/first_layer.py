@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import shapely
@@ -36,16 +36,11 @@ def cuts(sections: Iterable[Section], settings: PrintSettings) -> Iterator[Cut]:
     last: Section | None = None
     cut = Cut(shapely.Polygon(), printed=False)
     for section in sections:
-        if last is None or not _same(section.rings, last.rings):
+        if last is None or not section.same_rings(last):
             area = section_area(section).simplify(RESOLUTION)
             printed = cut.printed or not inset(area, outermost_depth(settings)).is_empty
             last, cut = section, Cut(area, printed)
         yield cut
-
-
-def _same(rings: Sequence[Floats], others: Sequence[Floats]) -> bool:
-    """Whether rings (k, 2) are the same, point by point."""
-    return len(rings) == len(others) and all(map(np.array_equal, rings, others))
 
 
 def brim_width(area: shapely.Geometry, settings: PrintSettings) -> float:

@@ -56,14 +56,14 @@ def write_project(path: Path, part: Mesh, foam: Mesh, name: str, layer_height: f
     """
     printing = PrintSettings()
     width, depth = printing.bed_size()
-    centre = (width / 2, depth / 2)
+    centre, vertices = (width / 2, depth / 2), (_vertices(part), _vertices(foam))
     with zipfile.ZipFile(path, "w") as archive:
         for file, text in {
             "[Content_Types].xml": TYPES,
             "_rels/.rels": RELATIONS,
-            RANGES: _ranges_model(part, foam, centre),
+            RANGES: _ranges_model(part, foam, vertices, centre),
             PRUSA: _ranges_settings(part, foam, name, printing, layer_height),
-            PARTS: _parts_model(part, foam, centre),
+            PARTS: _parts_model(part, foam, vertices, centre),
             BAMBU: _parts_settings(name, printing, layer_height),
         }.items():
             entry = zipfile.ZipInfo(file, BEGINNING)
@@ -138,18 +138,21 @@ def _told(values: Mapping[str, str], kind: str | None = None) -> str:
     )
 
 
-def _ranges_model(part: Mesh, foam: Mesh, centre: tuple[float, float]) -> str:
+def _ranges_model(
+    part: Mesh, foam: Mesh, vertices: tuple[str, str], centre: tuple[float, float]
+) -> str:
     """The model with both meshes as one."""
-    vertices = _vertices(part) + _vertices(foam)
     triangles = _triangles(part, 0) + _triangles(foam, len(part.vertices))
-    return _model(_object("1", _mesh(vertices, triangles)), "1", centre)
+    return _model(_object("1", _mesh("".join(vertices), triangles)), "1", centre)
 
 
-def _parts_model(part: Mesh, foam: Mesh, centre: tuple[float, float]) -> str:
+def _parts_model(
+    part: Mesh, foam: Mesh, vertices: tuple[str, str], centre: tuple[float, float]
+) -> str:
     """The model with each mesh an object, and an object made of both."""
     meshes = "".join(
-        _object(number, _mesh(_vertices(mesh), _triangles(mesh, 0)))
-        for number, mesh in ((PART, part), (FOAM, foam))
+        _object(number, _mesh(corners, _triangles(mesh, 0)))
+        for number, corners, mesh in zip((PART, FOAM), vertices, (part, foam), strict=True)
     )
     both = "".join(f'<component objectid="{number}"/>\n' for number in (PART, FOAM))
     whole = _object(OBJECT, f"<components>\n{both}</components>\n")
