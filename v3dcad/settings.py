@@ -454,6 +454,14 @@ class PrintSettings(Checked):
         4, "Solid layers over every face that looks down.", least=0, most=1000
     )
     top_layers: int = setting(4, "Solid layers under every face that looks up.", least=0, most=1000)
+    skin_span: float | str = setting(
+        5.0,
+        "Longest span of a skin over cells: where cells are wider, ribs grow out of their walls "
+        "under it.",
+        unit="mm",
+        least=2,
+        words=("off",),
+    )
     open: bool = setting(
         False, "Leave out all solid layers: walls and contours alone, as the thesis prints."
     )
@@ -651,6 +659,10 @@ class PrintSettings(Checked):
     def solid_layers(self) -> tuple[int, int]:
         """How many layers are solid at faces that look down, and at those that look up."""
         return (0, 0) if self.open else (self.bottom_layers, self.top_layers)
+
+    def rib_pitch(self) -> float:
+        """Mm between the ribs that hold skins; 0 where there are none: they are two beads wide."""
+        return 0.0 if isinstance(self.skin_span, str) or self.wall_beads == 1 else self.skin_span
 
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""

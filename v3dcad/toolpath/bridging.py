@@ -9,18 +9,13 @@ import shapely
 
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import Diagram, Floats
-from v3dcad.toolpath.perimeters import inset, opened
+from v3dcad.toolpath.division import Division
 from v3dcad.toolpath.scan_lines import ScanLines, gaps
-from v3dcad.toolpath.skins import NOTHING
 
 ANGLES = np.arange(0.0, 180.0, 15.0)
 """Directions of bridges that are tried, degrees."""
 TRIED = 60
 """Most lines by which a direction is tried."""
-ANCHOR = 3.0
-"""Bead spacings by which a bridge goes on over what holds it."""
-LEAST_BRIDGE = 2.0
-"""Bead spacings: a narrower strip over air is held from both sides."""
 FREE = 4.0
 """Times its length: what a line with a free end counts as."""
 
@@ -45,51 +40,33 @@ class Held(NamedTuple):
 class Below(NamedTuple):
     """What of the layer below holds up the next."""
 
-    area: shapely.Geometry
-    foam: shapely.Geometry
-    """where of the area there are cells; the rest is perimeters and skins"""
+    division: Division
     diagram: Diagram
+    ribs: Floats
+    """(r, 2, 2) mm, both ends of walls that end in cells"""
     wall: float
     """mm: width of a wall between cells"""
     beads: Segments
     """the lines that its beads lie along"""
 
-    def solid(self) -> shapely.Geometry:
-        """Perimeters and skins."""
-        return shapely.difference(self.area, self.foam)
-
     def held(self) -> Held:
         """What of the layer holds up the next: solid parts, and walls in the foam."""
         walls = self.diagram.vertices[self.diagram.edges[self.diagram.inner()]]
-        return Held(self.solid(), walls, self.wall)
+        return Held(self.division.solid(), np.concatenate([walls, self.ribs]), self.wall)
 
 
 def bridges(
-    skin: shapely.Geometry, below: Below, spacing: float
-) -> tuple[shapely.Geometry, list[tuple[shapely.Geometry, float]]]:
-    """What of a skin rests on solid parts, and its bridges: an area and a direction, degrees, each.
+    over: shapely.Geometry, below: Below, spacing: float
+) -> list[tuple[shapely.Geometry, float]]:
+    """The bridges of skins over cells and air: an area and a direction, degrees, each.
 
     Beads lie `spacing` apart (mm).
     """
-    held = below.held()
-    rest, over = resting(skin, held.solid, spacing)
     if over.is_empty:
-        return rest, []
+        return []
+    held = below.held()
     parts = [part for part in shapely.get_parts(over) if part.geom_type == "Polygon"]
-    return rest, [(part, direction(part, held, spacing)) for part in parts]
-
-
-def resting(
-    skin: shapely.Geometry, solid: shapely.Geometry, spacing: float
-) -> tuple[shapely.Geometry, shapely.Geometry]:
-    """What of a skin rests on what is `solid` below, and what is a bridge, ends and all."""
-    radius = LEAST_BRIDGE * spacing / 2
-    bare = inset(shapely.difference(skin, solid), radius)
-    if bare.is_empty:
-        return skin, NOTHING
-    grown = inset(bare, -radius - ANCHOR * spacing)
-    rest = opened(shapely.difference(skin, grown), radius)
-    return rest, shapely.difference(skin, rest)
+    return [(part, direction(part, held, spacing)) for part in parts]
 
 
 def direction(area: shapely.Geometry, held: Held, spacing: float) -> float:

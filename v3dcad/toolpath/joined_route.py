@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.geometry.loops.corners import corners_cut
@@ -17,6 +16,7 @@ from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
 from v3dcad.toolpath.cell_loops import cell_loops
+from v3dcad.toolpath.division import Division
 from v3dcad.toolpath.graph import PathGraph
 from v3dcad.toolpath.perimeters import inset, rings
 from v3dcad.toolpath.seam import Seams
@@ -38,17 +38,18 @@ class Closed(NamedTuple):
 
 def joined_curves(
     layer: Layer,
-    area: shapely.Geometry,
-    foam: shapely.Geometry,
+    division: Division,
     depths: Sequence[float],
-    spacing: float,
     linked: Linked,
     shortest: float,
+    grown: Callable[[Loops, Division], Loops],
 ) -> Curves:
     """The perimeters at some depths (mm, outermost first) and the cells of the foam, joined.
 
-    Beads lie `spacing` apart, mm; no step is shorter than `shortest` where that can be.
+    What makes cells' loops with ribs of those without is `grown`. No step is shorter than
+    `shortest` (mm) where that can be.
     """
+    area, spacing = division.area, division.spacing
     lines: list[Floats] = []
     owners: list[int] = []
     for number, depth in enumerate(depths):
@@ -57,7 +58,8 @@ def joined_curves(
         for ring in rings(inset(area, depth)):
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
-    loops = cell_loops(layer, foam, spacing).and_these(Loops.of(lines, owners))
+    cells = grown(cell_loops(layer, division.foam, spacing), division)
+    loops = cells.and_these(Loops.of(lines, owners))
     curves = joined(loops.thinned(max(shortest, GRID)), spacing, linked, shortest)
     return corners_cut(curves, spacing, shortest)
 

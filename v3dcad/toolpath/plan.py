@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
 
 from v3dcad.geometry.loops.links import Linked
+from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import (
     BRIDGE,
     BRIM,
@@ -22,6 +23,7 @@ from v3dcad.model import (
 )
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bridging import Below, bridges
+from v3dcad.toolpath.division import Division, perimeter_depths
 from v3dcad.toolpath.first_layer import brim_width
 from v3dcad.toolpath.graph import (
     PathGraph,
@@ -30,10 +32,9 @@ from v3dcad.toolpath.graph import (
     with_short_edges_joined,
 )
 from v3dcad.toolpath.joined_route import from_seams, in_order, joined_curves
-from v3dcad.toolpath.perimeters import inset, loops, outermost_depth, with_arcs
+from v3dcad.toolpath.perimeters import inset, loops, with_arcs
 from v3dcad.toolpath.route import closed_strokes, minimum_join
 from v3dcad.toolpath.seam import Seams
-from v3dcad.toolpath.skins import NOTHING, parted
 from v3dcad.toolpath.solid import hatch
 from v3dcad.toolpath.stroke import Stroke
 from v3dcad.toolpath.tree_route import tree_walks
@@ -45,21 +46,16 @@ class Plan:
     """A layer's strokes as they come, and what is known once all have come."""
 
     layer: Layer
-    area: shapely.Geometry
-    skin: shapely.Geometry
-    """what of the area must be solid"""
+    division: Division
     settings: PrintSettings
-    first: bool
-    spacing: float
-    """mm between two beads side by side"""
     linked: Linked
     seams: Seams
     below: Below | None
     """the layer below; None on the bed"""
+    grown: Callable[[Loops, Division], Loops]
+    """what makes the loops of cells with ribs from those without"""
     thesis: bool
     """whether walls of one bead are printed in the thesis's order"""
-    foam: shapely.Geometry = NOTHING
-    """where there are cells"""
     joined: int = 0
     retraced: float = 0.0
     narrow_area: float = 0.0
@@ -70,16 +66,17 @@ class Plan:
         self.here = here
         if not self.layer.section.rings:
             return
-        if self.first:
+        if self.division.first:
             yield from self._around()
-        depths = perimeter_depths(self.settings, self.spacing)
-        self.narrow_area = narrow_area(self.area, depths[0])
-        self.foam, skin = divided(self.area, self.skin, self.settings, self.spacing)
+        division = self.division
+        depths = perimeter_depths(self.settings, division.spacing)
+        self.narrow_area = narrow_area(division.area, depths[0])
         if self.settings.wall_beads == 2:
             yield from self._in_closed_strokes(depths)
         else:
-            yield from self._in_walks(depths, whole=skin.is_empty)
-        yield from self._solid(skin)
+            whole = division.rest.is_empty and division.over.is_empty
+            yield from self._in_walks(depths, whole=whole)
+        yield from self._solid()
 
     def _in_walks(self, depths: list[float], *, whole: bool) -> Iterator[Stroke]:
         """Perimeters and cells of one bead; where foam is not the `whole` inside, with a rim.
@@ -87,8 +84,9 @@ class Plan:
         The rim lies beside a skin, or beside the innermost perimeter, a bead deeper than that.
         """
         outer = [self._perimeter(depth) for depth in depths[: -1 if whole else None]]
-        depth = depths[-1] if whole else depths[-1] + self.spacing
-        innermost = inset(self.area, depth) if whole else inset(self.foam, self.spacing / 2)
+        area, spacing = self.division.area, self.division.spacing
+        depth = depths[-1] if whole else depths[-1] + spacing
+        innermost = inset(area, depth) if whole else inset(self.division.foam, spacing / 2)
         graph, self.joined = with_short_edges_joined(
             self._arced(self._cells_within(innermost, depth), depth), self.settings.minimum_edge
         )
@@ -101,17 +99,19 @@ class Plan:
         for part in order:
             yield from self._routed(part)
 
-    def _solid(self, skin: shapely.Geometry) -> Iterator[Stroke]:
-        """A skin as parallel beads, those over air and cells as bridges; the nearest line next."""
-        if skin.is_empty:
-            return
-        rest, over = (skin, []) if self.below is None else bridges(skin, self.below, self.spacing)
+    def _solid(self) -> Iterator[Stroke]:
+        """Skins as parallel beads, those over air and cells as bridges; the nearest line next."""
+        rest, over, spacing = self.division.rest, self.division.over, self.division.spacing
         angle = 45.0 if self.layer.index % 2 else -45.0
-        parts = [(rest, angle, SOLID), *((area, turned, BRIDGE) for area, turned in over)]
+        parts = [(rest, angle, SOLID)]
+        if self.below is None:
+            parts.append((over, angle, SOLID))
+        else:
+            parts += [(a, turned, BRIDGE) for a, turned in bridges(over, self.below, spacing)]
         lines = [
             (line, what)
             for area, turned, what in parts
-            for line in hatch(inset(area, self.spacing / 2), self.spacing, turned, area)
+            for line in hatch(inset(area, spacing / 2), spacing, turned, area)
         ]
         ends = np.array([[line[0], line[-1]] for line, _ in lines]).reshape(-1, 2, 2)
         for _ in range(len(lines)):
@@ -125,20 +125,25 @@ class Plan:
         """Outer perimeters unbroken; what lies further in is joined to one curve a region."""
         shortest = self.settings.minimum_edge
         curves = joined_curves(
-            self.layer, self.area, self.foam, depths[1:], self.spacing, self.linked, shortest
+            self.layer,
+            self.division,
+            depths[1:],
+            self.linked,
+            shortest,
+            self.grown,
         )
         outer = from_seams(self._perimeter(depths[0]), self.seams)
-        for stroke in in_order(outer, curves, self.spacing, self.here, shortest):
+        for stroke in in_order(outer, curves, self.division.spacing, self.here, shortest):
             yield self._moved_to(stroke)
 
     def _around(self) -> Iterator[Stroke]:
         """Skirt and brim, from the outside in."""
         settings, width = self.settings, self.settings.bead_width
         outline = shapely.union_all(
-            [shapely.Polygon(part.exterior) for part in shapely.get_parts(self.area)]
+            [shapely.Polygon(part.exterior) for part in shapely.get_parts(self.division.area)]
         )
         edge = 0.0 if settings.contour == "inset" else width / 2
-        brim = math.ceil(brim_width(self.area, settings) / width)
+        brim = math.ceil(brim_width(self.division.area, settings) / width)
         skirt = edge + brim * width + settings.skirt_distance
         for number in reversed(range(settings.skirt_loops)):
             yield from self._outside(outline, skirt + (number + 0.5) * width, SKIRT)
@@ -156,7 +161,7 @@ class Plan:
 
     def _perimeter(self, depth: float) -> PathGraph:
         """The perimeter `depth` mm inside the contours."""
-        return self._arced(loops_graph(loops(inset(self.area, depth)), PERIMETER), depth)
+        return self._arced(loops_graph(loops(inset(self.division.area, depth)), PERIMETER), depth)
 
     def _arced(self, graph: PathGraph, depth: float) -> PathGraph:
         return with_arcs(graph, self.layer.section, depth) if self.settings.arcs else graph
@@ -176,22 +181,6 @@ class Plan:
     def _moved_to(self, stroke: Stroke) -> Stroke:
         self.here = stroke.points[-1]
         return stroke
-
-
-def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
-    """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
-    return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
-
-
-def divided(
-    area: shapely.Geometry, skin: shapely.Geometry, settings: PrintSettings, spacing: float
-) -> tuple[shapely.Geometry, shapely.Geometry]:
-    """What of a section's area is filled with cells, and with skins, inside the perimeters.
-
-    `skin` is what must be solid; beads lie `spacing` apart (mm).
-    """
-    depth = perimeter_depths(settings, spacing)[-1]
-    return parted(inset(area, depth + spacing / 2), skin, spacing)
 
 
 def narrow_area(area: shapely.Geometry, depth: float) -> float:

@@ -10,11 +10,9 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 
 from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
-from v3dcad.geometry.section_area import section_area
 from v3dcad.model import (
     BRIDGE,
     CELLS,
@@ -28,12 +26,10 @@ from v3dcad.model import (
     Section,
 )
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.bead import bead_areas, bead_spacing
-from v3dcad.toolpath.bridging import resting
-from v3dcad.toolpath.first_layer import cuts
-from v3dcad.toolpath.plan import Plan, divided
+from v3dcad.toolpath.bead import bead_areas
+from v3dcad.toolpath.division import Division, divided
+from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.seam import Seams
-from v3dcad.toolpath.skins import NOTHING, shells
 from v3dcad.toolpath.stroke import capped, lines_of
 
 SAMPLED = 24
@@ -56,11 +52,11 @@ class Plastic(NamedTuple):
 
 
 class _Printed(NamedTuple):
-    """A layer that is printed: its index, height (mm), and what of it must be solid."""
+    """A layer that is printed."""
 
     layer: int
-    height: float
-    skin: shapely.Geometry
+    """its index"""
+    division: Division
     skin_flow: float
     """of the layer's flow: less than 1 where bridges among its skins get less"""
 
@@ -77,26 +73,17 @@ class Rooms:
         """mm³ of the part"""
         self._printed: list[_Printed] = []
         rooms = [np.zeros((0, len(KINDS)))]
-        kept = list(sections)
-        solid, before = NOTHING, 0.0
-        found = shells(cuts(kept, settings), *settings.solid_layers())
-        for index, (section, (cut, skin)) in enumerate(zip(kept, found, strict=True)):
-            self.volume += float(cut.area.area) * layer_height
-            if not cut.printed:
+        for index, division in enumerate(divided(enumerate(sections), settings)):
+            area, printed, first, _, height, _, foam, rest, over, _ = division
+            self.volume += float(area.area) * layer_height
+            if not printed:
                 continue
-            first = not self._printed
-            height = settings.first_layer_height if first else section.z - before
-            spacing, before = bead_spacing(settings, height), section.z
-            foam, covered = divided(cut.area, skin, settings, spacing)
-            rest, over = (covered, NOTHING) if first else resting(covered, solid, spacing)
             flow = settings.first_layer_flow if first else settings.flow
             whole = rest.area + over.area
             skins = rest.area + over.area * settings.bridge_flow / flow
-            walls = cut.area.area - covered.area - foam.area
+            walls = area.area - whole - foam.area
             rooms.append(np.array([[walls, skins, foam.area]]) * height * flow / 100)
-            solid = shapely.difference(cut.area, foam)
-            skin_flow = skins / whole if whole else 1.0
-            self._printed.append(_Printed(index, height, skin, skin_flow))
+            self._printed.append(_Printed(index, division, skins / whole if whole else 1.0))
         self._rooms = np.concatenate(rooms)
         self._some = [_spread(room) for room in self._rooms.T]
 
@@ -117,18 +104,15 @@ class Rooms:
 
     def _laid(self, layer: Layer, number: int) -> list[float]:
         """What one of the printed layers takes, mm³ for each kind of room."""
-        settings, printed, first = self.settings, self._printed[number], number == 0
-        spacing = bead_spacing(settings, printed.height)
-        area, seams = section_area(layer.section), Seams(settings.seam)
-        plan = Plan(
-            layer, area, printed.skin, settings, first, spacing, Linked(), seams, None, False
-        )
+        settings, (_, division, skin_flow) = self.settings, self._printed[number]
+        seams, linked = Seams(settings.seam), Linked()
+        plan = Plan(layer, division, settings, linked, seams, None, lambda loops, _: loops, False)
         lengths = np.zeros(FEATURES)
-        strokes = list(plan.strokes(np.zeros(2)))
+        spacing, strokes = division.spacing, list(plan.strokes(np.zeros(2)))
         for stroke in capped(strokes, covered(*lines_of(strokes, spacing), spacing)):
             np.add.at(lengths, stroke.feature, stroke.laid)
-        volumes = lengths * bead_areas(settings, printed.height, first=first)
-        volumes[SOLID] *= printed.skin_flow
+        volumes = lengths * bead_areas(settings, division.height, first=division.first)
+        volumes[SOLID] *= skin_flow
         return [float(volumes[list(features)].sum()) for features in KINDS]
 
 

@@ -60,15 +60,14 @@ def layer_report(
     strokes: int,
     plan: Plan,
     seconds: float,
-    level: float,
     hanging: tuple[Hanging, ...],
     bridged: float,
 ) -> LayerReport:
     """What a layer's toolpath, which began at `before` (3,) and takes `seconds`, comes to.
 
-    Its beads end at `level`, mm above the bed; 0 below the first layer. Some are `hanging`; so
-    many mm of walls are `bridged`.
+    Some of its beads are `hanging`; so many mm of walls are `bridged`.
     """
+    area, _, first, level, *_ = plan.division
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
@@ -81,10 +80,10 @@ def layer_report(
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
-        narrow_area=plan.narrow_area if level else float(plan.area.area),
+        narrow_area=plan.narrow_area if level else float(area.area),
         level=level,
-        area=float(plan.area.area),
-        stand_width=stand_width(plan.area) if plan.first and level else 0.0,
+        area=float(area.area),
+        stand_width=stand_width(area) if first and level else 0.0,
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
         hanging=hanging,

@@ -65,7 +65,7 @@ def shells(cuts: Iterable[Cut], bottom: int, top: int) -> Iterator[Shell]:
         cut, below, _ = waiting.popleft()
         under.append(below)
         bare = [area for area in (*under, *on) if not area.is_empty]
-        return Shell(cut, _shared(cut.area, shapely.union_all(bare)) if bare else NOTHING)
+        return Shell(cut, shared(cut.area, shapely.union_all(bare)) if bare else NOTHING)
 
     for bare in _bare(cuts):
         waiting.append(bare)
@@ -101,7 +101,7 @@ def _minus(area: shapely.Geometry, other: shapely.Geometry) -> shapely.Geometry:
     return shapely.multipolygons(wide) if len(wide) else NOTHING
 
 
-def _shared(area: shapely.Geometry, other: shapely.Geometry) -> shapely.Geometry:
+def shared(area: shapely.Geometry, other: shapely.Geometry) -> shapely.Geometry:
     """What two areas share, without the lines and points where they only touch.
 
     GEOS cannot intersect an area and such a line, together, with nothing.
@@ -120,10 +120,16 @@ def parted(
 
     The skin reaches a little into the foam and rests there; strips too narrow go to the other side.
     """
-    wanted = opened(_shared(skin, inner), LEAST_SKIN * spacing / 2)
+    wanted = opened(shared(skin, inner), LEAST_SKIN * spacing / 2)
     if wanted.is_empty:
         return inner, NOTHING
-    grown = inset(wanted, -ANCHOR * spacing)
-    foam = opened(shapely.difference(inner, grown), LEAST_FOAM * spacing / 2)
-    foam = _shared(foam, inner)
+    return widened(inner, inner, inset(wanted, -ANCHOR * spacing), spacing)
+
+
+def widened(
+    inner: shapely.Geometry, foam: shapely.Geometry, skin: shapely.Geometry, spacing: float
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """What is foam and what is skin inside the perimeters, where some of the foam is skin too."""
+    foam = opened(shapely.difference(foam, skin), LEAST_FOAM * spacing / 2)
+    foam = shared(foam, inner)
     return foam, opened(shapely.difference(inner, foam), spacing / 4)

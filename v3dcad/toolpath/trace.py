@@ -14,18 +14,17 @@ from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.reach import Stretches, far_from
 from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.bead import bead_spacing
 from v3dcad.toolpath.beads import Nozzle
 from v3dcad.toolpath.bridged_walls import with_bridged_walls
 from v3dcad.toolpath.bridging import Below
 from v3dcad.toolpath.cooling import cooled
-from v3dcad.toolpath.first_layer import cuts
+from v3dcad.toolpath.division import divided
 from v3dcad.toolpath.overhang import Hanging, hanging, refuse_spans
 from v3dcad.toolpath.overlapped import overlapped
 from v3dcad.toolpath.plan import Plan
 from v3dcad.toolpath.report import LayerReport, layer_report
+from v3dcad.toolpath.ribs import Ribs
 from v3dcad.toolpath.seam import Seams
-from v3dcad.toolpath.skins import shells
 from v3dcad.toolpath.stroke import Lines, Stroke, capped, lines_of
 from v3dcad.toolpath.travel import Traveller
 
@@ -71,43 +70,27 @@ class _Planned(NamedTuple):
     plan: Plan
     strokes: list[Stroke]
     lines: Lines
-    level: float
-    """mm above the bed, where beads end; 0 where nothing is printed yet"""
-    height: float
-    """mm from the layer below, or the bed"""
 
 
 def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> Iterator[_Planned]:
     """What is printed on each layer, from where the last one ends."""
     linked, seams, here = Linked(), Seams(settings.seam), np.zeros(2)
     below: Below | None = None
-    level = above = spacing = height = 0.0
-    # A layer waits for its skin, which sections above have a say in.
+    ribs = Ribs(settings)
+    # A layer waits for its skin and its ribs, which sections above have a say in.
     waiting, ahead = tee(layers)
-    areas = cuts((layer.section for layer in ahead), settings)
-    found = shells(areas, *settings.solid_layers())
-    for layer, ((area, printed), skin) in zip(waiting, found, strict=True):
-        first = level == 0
-        if printed:
-            above = settings.first_layer_height - layer.z if first else above
-            height, level = layer.z + above - level, layer.z + above
-            if height <= 0:
-                raise GeometryError(
-                    f"its section at {layer.z:g} mm is not above the one below; "
-                    "give layers in ascending order",
-                    layer=layer.index,
-                )
-            spacing = bead_spacing(settings, height)
+    found = divided(((layer.index, layer.section) for layer in ahead), settings)
+    for layer, division in ribs.looking_up(zip(waiting, found, strict=True)):
         seams.rise()
-        plan = Plan(layer, area, skin, settings, first, spacing, linked, seams, below, thesis)
-        strokes = list(plan.strokes(here)) if printed else []
+        plan = Plan(layer, division, settings, linked, seams, below, ribs.grown, thesis)
+        strokes = list(plan.strokes(here)) if division.printed else []
         if strokes:
             here = strokes[-1].points[-1]
-        lines = lines_of(strokes, spacing)
-        if printed:
+        lines = lines_of(strokes, division.spacing)
+        if division.printed:
             wall = settings.wall_width()
-            below = Below(area, plan.foam, layer.diagram, wall, lines.segments)
-        yield _Planned(plan, strokes, lines, level, height)
+            below = Below(division, layer.diagram, ribs.walls, wall, lines.segments)
+        yield _Planned(plan, strokes, lines)
 
 
 class _Measured(NamedTuple):
@@ -122,8 +105,8 @@ class _Measured(NamedTuple):
 
 def _measured(planned: _Planned) -> _Measured:
     """What takes most of the time, and no other layer."""
-    plan, _, lines, _, _ = planned
-    room = covered(*lines, plan.spacing)
+    plan, _, lines = planned
+    room = covered(*lines, plan.division.spacing)
     if plan.below is None or plan.settings.wall_beads == 1:
         return _Measured(planned, room, None)
     hang = far_from(lines.segments.ends, plan.below.beads, plan.settings.bead_width / 2)
@@ -140,12 +123,13 @@ class _Laying:
 
     def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        (plan, strokes, _, level, height), room, hang = measured
+        (plan, strokes, _), room, hang = measured
+        _, _, first, level, height, *_ = division = plan.division
         settings, nozzle = self._settings, self._nozzle
         strokes = capped(strokes, room)
         if level:
             nozzle.rise(
-                level, height, Traveller(plan.area, settings.bead_width / 4), first=plan.first
+                level, height, Traveller(division.area, settings.bead_width / 4), first=first
             )
         before = nozzle.position
         bridged = 0.0
@@ -160,13 +144,11 @@ class _Laying:
         below = plan.below
         if below is not None and (self._told or not isinstance(settings.fail_over, str)):
             width = settings.bead_width
-            told = hanging(toolpath, before, below.beads, below.area, width, height, hang)
+            told = hanging(toolpath, before, below.beads, below.division.area, width, height, hang)
             refuse_spans(told, plan.layer.index, level, settings.fail_over)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0
         toolpath, seconds = cooled(toolpath, rest, settings)
         if not self._told:
             return toolpath, None
-        return toolpath, layer_report(
-            toolpath, before, len(strokes), plan, seconds, level, told, bridged
-        )
+        return toolpath, layer_report(toolpath, before, len(strokes), plan, seconds, told, bridged)
