@@ -10,7 +10,7 @@ import shapely
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.geometry.loops.power_cells import PowerCells
 from v3dcad.geometry.loops.region import Region
-from v3dcad.model import Layer
+from v3dcad.model import Ints, Layer
 from v3dcad.toolpath.perimeters import inset, rings
 
 LEAST_RADIUS = 0.55
@@ -21,18 +21,23 @@ LEAST_WIDTH = 0.01
 """and those that are, on average, not so many bead spacings wide."""
 
 
-def cell_loops(layer: Layer, within: shapely.Geometry, spacing: float) -> Loops:
-    """The loops of all cells, each owned by its site.
+def cell_loops(
+    layer: Layer, within: shapely.Geometry, spacing: float, without: Ints | None = None
+) -> Loops:
+    """The loops of all cells but those `without` a loop, each owned by its site.
 
     A loop lies half a bead spacing (mm) inside its cell's walls and inside the area `within`. Loops
     run counter-clockwise, those around holes clockwise. A cell too small for a loop is left
-    out: all others are as if its site were absent. Where all are too small, the largest stays.
+    out, too: all others are as if its site were absent. Where none would stay, the largest does.
     """
     core = inset(within, spacing / 2)
     if core.is_empty:
         return Loops.of([], [])
     region = Region(core, rings(core))
     sites = layer.diagram.sites()
+    if without is not None:
+        some = sites[~np.isin(sites, without)]
+        sites = some if len(some) else sites
     places, weights = layer.state.sites[sites, :2], layer.state.weights[sites]
     left, bottom, right, top = core.bounds
     low, high = np.array([left, bottom]) - spacing, np.array([right, top]) + spacing

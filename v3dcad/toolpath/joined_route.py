@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,10 +15,10 @@ from v3dcad.geometry.loops.joining import joined
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import CELLS, INNER_PERIMETER, PERIMETER, Floats, Ints, Layer
-from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.division import Division
 from v3dcad.toolpath.graph import PathGraph
 from v3dcad.toolpath.perimeters import inset, rings
+from v3dcad.toolpath.ribs import Ribs
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.stroke import Stroke
 
@@ -42,12 +42,11 @@ def joined_curves(
     depths: Sequence[float],
     linked: Linked,
     shortest: float,
-    grown: Callable[[Loops, Division], Loops],
+    ribs: Ribs,
 ) -> Curves:
     """The perimeters at some depths (mm, outermost first) and the cells of the foam, joined.
 
-    What makes cells' loops with ribs of those without is `grown`. No step is shorter than
-    `shortest` (mm) where that can be.
+    Cells have `ribs` under skins. No step is shorter than `shortest` (mm) where that can be.
     """
     area, spacing = division.area, division.spacing
     lines: list[Floats] = []
@@ -58,8 +57,7 @@ def joined_curves(
         for ring in rings(inset(area, depth)):
             lines.append(ring[::-1] if against else ring)
             owners.append(-1 - number)
-    cells = grown(cell_loops(layer, division.foam, spacing), division)
-    loops = cells.and_these(Loops.of(lines, owners))
+    loops = ribs.loops(layer, division).and_these(Loops.of(lines, owners))
     curves = joined(loops.thinned(max(shortest, GRID)), spacing, linked, shortest)
     return corners_cut(curves, spacing, shortest)
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
 
 from v3dcad.geometry.loops.links import Linked
-from v3dcad.geometry.loops.loops import Loops
 from v3dcad.model import (
     BRIDGE,
     BRIM,
@@ -33,6 +32,7 @@ from v3dcad.toolpath.graph import (
 )
 from v3dcad.toolpath.joined_route import from_seams, in_order, joined_curves
 from v3dcad.toolpath.perimeters import inset, loops, with_arcs
+from v3dcad.toolpath.ribs import Ribs
 from v3dcad.toolpath.route import closed_strokes, minimum_join
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.solid import hatch
@@ -52,8 +52,7 @@ class Plan:
     seams: Seams
     below: Below | None
     """the layer below; None on the bed"""
-    grown: Callable[[Loops, Division], Loops]
-    """what makes the loops of cells with ribs from those without"""
+    ribs: Ribs
     thesis: bool
     """whether walls of one bead are printed in the thesis's order"""
     joined: int = 0
@@ -130,7 +129,7 @@ class Plan:
             depths[1:],
             self.linked,
             shortest,
-            self.grown,
+            self.ribs,
         )
         outer = from_seams(self._perimeter(depths[0]), self.seams)
         for stroke in in_order(outer, curves, self.division.spacing, self.here, shortest):

@@ -29,11 +29,15 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_areas
 from v3dcad.toolpath.division import Division, divided
 from v3dcad.toolpath.plan import Plan
+from v3dcad.toolpath.ribs import Ribs, reach
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.stroke import capped, lines_of
 
 SAMPLED = 24
 """Layers on which beads are laid, for each kind of room."""
+
+COARSE = 1.0
+"""mm between the layers on which ribs are grown."""
 
 KINDS = ((PERIMETER, INNER_PERIMETER), (SOLID, BRIDGE), (CELLS,))
 """The features that fill each kind of room. Brim and skirt are not the part's."""
@@ -93,20 +97,40 @@ class Rooms:
 
     def plastic(self, layers: Sequence[Layer]) -> Plastic:
         """What layers with these sections take, mm³, from beads laid on some of them."""
-        laid = np.zeros_like(self._rooms)
+        laid, widest = np.zeros_like(self._rooms), 0.0
         for number in np.unique(np.concatenate(self._some)).tolist():
-            laid[number] = self._laid(layers[self._printed[number].layer], number)
+            layer = layers[self._printed[number].layer]
+            laid[number], widest = self._laid(layer, number), max(widest, layer.area_per_cell)
         found = [
             rooms.sum() * float(np.mean(volume[some] / rooms[some])) if len(some) else 0.0
             for rooms, volume, some in zip(self._rooms.T, laid.T, self._some, strict=True)
         ]
-        return Plastic(*found)
+        perimeters, skins, cells = found
+        return Plastic(perimeters, skins, cells + self._ribs(layers, reach(widest)))
+
+    def _ribs(self, layers: Sequence[Layer], reach: float) -> float:
+        """What ribs take, mm³, grown on some of the layers at most `reach` (mm) under skins."""
+        settings, ribs = self.settings, Ribs(self.settings)
+        volume, last, begun = 0.0, 0.0, False
+        for printed in self._printed:
+            ribs.note(printed.division)
+        for number, division, _ in self._printed:
+            low = division.level - division.height
+            if not ribs.under(division.level, reach):
+                begun = False
+            elif not begun or division.level - last >= COARSE:
+                last, begun = last if begun else low, True
+                ribs.loops(layers[number], division)
+                length = float(np.hypot(*np.diff(ribs.walls, axis=1)[:, 0].T).sum())
+                volume += 2 * length * division.spacing * (division.level - last)
+                last = division.level
+        return volume * settings.flow / 100
 
     def _laid(self, layer: Layer, number: int) -> list[float]:
         """What one of the printed layers takes, mm³ for each kind of room."""
         settings, (_, division, skin_flow) = self.settings, self._printed[number]
-        seams, linked = Seams(settings.seam), Linked()
-        plan = Plan(layer, division, settings, linked, seams, None, lambda loops, _: loops, False)
+        seams, ribs = Seams(settings.seam), Ribs(settings)
+        plan = Plan(layer, division, settings, Linked(), seams, None, ribs, False)
         lengths = np.zeros(FEATURES)
         spacing, strokes = division.spacing, list(plan.strokes(np.zeros(2)))
         for stroke in capped(strokes, covered(*lines_of(strokes, spacing), spacing)):

@@ -82,7 +82,7 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
     found = divided(((layer.index, layer.section) for layer in ahead), settings)
     for layer, division in ribs.looking_up(zip(waiting, found, strict=True)):
         seams.rise()
-        plan = Plan(layer, division, settings, linked, seams, below, ribs.grown, thesis)
+        plan = Plan(layer, division, settings, linked, seams, below, ribs, thesis)
         strokes = list(plan.strokes(here)) if division.printed else []
         if strokes:
             here = strokes[-1].points[-1]

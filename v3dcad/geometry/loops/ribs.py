@@ -140,7 +140,7 @@ def with_ribs(
         loops.points,
         loops.first,
         passes.loop[pair[:, 0]],
-        line * lines.pitch,
+        np.asarray(line * lines.pitch, np.float64),
         free,
         _of_lines(needs.line, line),
         needs.ends,
