@@ -48,6 +48,7 @@ PRINT = (
     "v3dcad.geometry.loops.facing",
     "v3dcad.geometry.loops.power_cells",
     "v3dcad.geometry.loops.region",
+    "v3dcad.geometry.loops.ribs",
     "v3dcad.geometry.loops.curves",
     "v3dcad.geometry.loops.wall_ends",
     "v3dcad.geometry.loops.union_find",

@@ -73,7 +73,7 @@ class Ribbed(Value):
     loops: Loops
     gaps: Gaps
     ribs: Floats
-    """(r, 2, 2) mm: the middle line of each rib, from its root to its tip"""
+    """(r, 2, 2) mm: the middle line of each rib, from its root to the end of the bead at its tip"""
 
 
 class _Passes(NamedTuple):
@@ -157,7 +157,8 @@ def with_ribs(
     own = pair[grown]
     root, tip = gaps[grown], tips[grown]
     y = np.repeat(line * lines.pitch, 2).reshape(-1, 2)[grown]
-    ribs = np.stack([np.stack([root, y], axis=1), np.stack([tip, y], axis=1)], axis=1)
+    end = tip + np.copysign(lines.half, tip - root)
+    ribs = np.stack([np.stack([root, y], axis=1), np.stack([end, y], axis=1)], axis=1)
     order = np.lexsort((passes.edge[own, 0] + passes.share[own, 0], passes.loop[own]))
     around = _around(loops, lines, passes.taken(own[order]), tip[order])
     return Ribbed(around, Gaps(line, tips), ribs)
