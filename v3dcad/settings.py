@@ -24,6 +24,9 @@ Field = Callable[[Any, Any, Any], Any]
 """What differs from place to place: values (n,) at x, y and z (n,), mm, where the source lies."""
 
 
+LEAST_PITCH = 4.0
+"""Bead widths between ribs, which are two beads wide: nearer ones would leave nothing to span."""
+
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4, "foot": 304.8}
 """Units that the coordinates of a file may be counted in, mm."""
 
@@ -661,8 +664,10 @@ class PrintSettings(Checked):
         return (0, 0) if self.open else (self.bottom_layers, self.top_layers)
 
     def rib_pitch(self) -> float:
-        """Mm between the ribs that hold skins; 0 where there are none: they are two beads wide."""
-        return 0.0 if isinstance(self.skin_span, str) or self.wall_beads == 1 else self.skin_span
+        """Mm between the ribs that hold skins; 0 where there are none, as in walls of one bead."""
+        if isinstance(self.skin_span, str) or self.wall_beads == 1:
+            return 0.0
+        return max(self.skin_span, LEAST_PITCH * self.bead_width)
 
     def retracts(self) -> bool:
         """Whether the filament is pulled back before a travel."""
