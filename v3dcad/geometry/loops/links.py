@@ -36,7 +36,8 @@ class Links(NamedTuple):
     @classmethod
     def of(cls, count: int) -> Links:
         """Room for so many."""
-        return cls(*np.empty((3, count), np.int64), np.empty((count, 2)))
+        walls, last, until = np.empty((3, count), np.int64)
+        return cls(walls, last, until, np.empty((count, 2)))
 
 
 class Linked:
