@@ -3,6 +3,7 @@
 loops        closed lines in one array; points that are too near to others left out
 power_cells  the convex cells of weighted sites, drawn in
 segments     segments in a grid of squares: which are near each other
+convex_cells how segments and places lie to a convex cell
 region       convex cells cut by an area's contours
 facing       where two loops face each other
 reach        which stretches of segments lie far from all others
