@@ -55,6 +55,7 @@ PRINT = (
     "v3dcad.geometry.loops.union_find",
     "v3dcad.geometry.loops.joining",
     "v3dcad.geometry.loops.corners",
+    "v3dcad.geometry.loops.own_room",
     "v3dcad.geometry.loops.coverage",
     "v3dcad.geometry.print_time",
     "v3dcad.formats.gcode.lines",
