@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -33,7 +34,7 @@ def cell_loops(
     core = inset(within, spacing / 2)
     if core.is_empty:
         return Loops.of([], [])
-    region = Region(core, rings(core))
+    region = _region(core)
     sites = layer.diagram.sites()
     if without is not None:
         some = sites[~np.isin(sites, without)]
@@ -51,3 +52,9 @@ def cell_loops(
     least = LEAST_LENGTH * spacing
     loops = region.cut(*cells.drawn_in(spacing / 2, kept), least, LEAST_WIDTH * spacing * least)
     return replace(loops, owner=sites[loops.owner])
+
+
+@lru_cache(maxsize=64)
+def _region(core: shapely.Geometry) -> Region:
+    """An area that cells are cut by; upright walls have the same on many layers."""
+    return Region(core, rings(core))

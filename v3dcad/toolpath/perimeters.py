@@ -11,7 +11,7 @@ import shapely
 
 from v3dcad.model import PERIMETER, Floats, Section
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.graph import PathGraph
+from v3dcad.toolpath.graph import PathGraph, loops_graph
 
 MITRE_LIMIT = 3.0
 """Corners sharper than this many distances are cut off, as slicers do."""
@@ -53,6 +53,12 @@ def loops(area: shapely.Geometry) -> list[Floats]:
     """The closed lines around an area, each by its points (k, 2), mm."""
     rings = shapely.get_rings(shapely.get_parts(area))
     return [shapely.get_coordinates(ring)[:-1] for ring in rings]
+
+
+@lru_cache(maxsize=64)
+def perimeter(area: shapely.Geometry, depth: float) -> PathGraph:
+    """The perimeter `depth` mm inside an area, without arcs; kept for a while, as insets are."""
+    return loops_graph(loops(inset(area, depth)), PERIMETER)
 
 
 def rings(area: shapely.Geometry) -> list[Floats]:

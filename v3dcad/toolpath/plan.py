@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -31,7 +32,7 @@ from v3dcad.toolpath.graph import (
     with_short_edges_joined,
 )
 from v3dcad.toolpath.joined_route import from_seams, in_order, joined_curves
-from v3dcad.toolpath.perimeters import inset, loops, with_arcs
+from v3dcad.toolpath.perimeters import inset, loops, perimeter, with_arcs
 from v3dcad.toolpath.ribs import Ribs
 from v3dcad.toolpath.route import closed_strokes, minimum_join
 from v3dcad.toolpath.seam import Seams
@@ -89,12 +90,12 @@ class Plan:
         graph, self.joined = with_short_edges_joined(
             self._arced(self._cells_within(innermost, depth), depth), self.settings.minimum_edge
         )
-        perimeter = graph.feature == PERIMETER
+        outline = graph.feature == PERIMETER
         order = [*outer, graph]
         if self.settings.perimeter_order == "before":
-            order = [*outer, graph.only(perimeter), graph.only(~perimeter)]
+            order = [*outer, graph.only(outline), graph.only(~outline)]
         elif self.settings.perimeter_order == "after":
-            order = [graph.only(~perimeter), graph.only(perimeter), *outer[::-1]]
+            order = [graph.only(~outline), graph.only(outline), *outer[::-1]]
         for part in order:
             yield from self._routed(part)
 
@@ -160,7 +161,7 @@ class Plan:
 
     def _perimeter(self, depth: float) -> PathGraph:
         """The perimeter `depth` mm inside the contours."""
-        return self._arced(loops_graph(loops(inset(self.division.area, depth)), PERIMETER), depth)
+        return self._arced(perimeter(self.division.area, depth), depth)
 
     def _arced(self, graph: PathGraph, depth: float) -> PathGraph:
         return with_arcs(graph, self.layer.section, depth) if self.settings.arcs else graph
@@ -182,8 +183,12 @@ class Plan:
         return stroke
 
 
+@lru_cache(maxsize=64)
 def narrow_area(area: shapely.Geometry, depth: float) -> float:
-    """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there."""
+    """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there.
+
+    Known for a while, as insets are.
+    """
     missed = float(area.area - inset(inset(area, depth), -depth).area)
     return missed if missed > 1e-6 * area.area else 0.0
 

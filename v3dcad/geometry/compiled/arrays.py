@@ -16,6 +16,7 @@ Word = Annotated[int, types.uint64]
 
 IntArray = Annotated[NDArray[np.int64], types.int64[::1]]
 IntRows = Annotated[NDArray[np.int64], types.int64[:, ::1]]
+Int16Array = Annotated[NDArray[np.int16], types.int16[::1]]
 Int32Array = Annotated[NDArray[np.int32], types.int32[::1]]
 Int32Rows = Annotated[NDArray[np.int32], types.int32[:, ::1]]
 Int32Stack = Annotated[NDArray[np.int32], types.int32[:, :, ::1]]

@@ -1,8 +1,7 @@
 """How much of the plane each bead covers alone, so that no more plastic is laid than has room.
 
 What is nearer to one bead's line than to all others is that bead's own, up to half a bead from the
-line. On either side of a point of the line this ends where a circle that touches the line there
-meets another line: at their medial axis (Blum 1967).
+line (`own_room.py`).
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ import numpy as np
 from v3dcad.geometry.compiled.arrays import ConstIntArray, FloatArray, FloatRows, IntArray
 from v3dcad.geometry.compiled.options import INLINED, INTERNAL, UNCOUNTED, compiled
 from v3dcad.geometry.loops.corners import CORNER
+from v3dcad.geometry.loops.own_room import Near, around, fan, own
 from v3dcad.geometry.loops.reach import within
 from v3dcad.geometry.loops.segments import Segments, beside
 from v3dcad.model import Floats, Ints
@@ -23,8 +23,6 @@ NEAR = 0.95
 """Lines nearer to each other than so many bead widths share room."""
 BRIEF, CLOSE = 1.5, 0.85
 """Bead widths: on so short a stretch at a corner, as at links, only those as near as that do."""
-TOUCHING = 1 - 1e-6
-"""Bead widths: lines as far apart as they should be take no room from each other."""
 ROUND = 1.6
 """Bead widths: so near along a stroke, a bead that only bends meets nothing."""
 MITRE = math.tan(math.pi / 3)
@@ -63,21 +61,6 @@ class Beads(NamedTuple):
     """(n + 1,) mm² of each of the two beads that have no room there"""
 
 
-class Near(NamedTuple):
-    """What is near a bead, as far as it is known; room for as many as there are."""
-
-    stamp: IntArray
-    """(n,) for `beside`"""
-    found: IntArray
-    """(n + 1,) beads that may be near"""
-    contacts: FloatRows
-    """(n, 2) shares of the bead between which others share its room"""
-    others: IntArray
-    """(n,) beads that are near a piece of it"""
-    spans: FloatRows
-    """(n, 2) shares of the piece between which each is"""
-
-
 def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
     """(n,) what share of its room each straight bead has to itself; 1 where none is near.
 
@@ -93,32 +76,6 @@ def covered(segments: Segments, stroke: Ints, width: float) -> Floats:
     near = Near(np.full(count, -1), numbers[0], rows[0], numbers[1], rows[1])
     _share(segments, stroke, width, beads, near, amounts[2])
     return amounts[2]
-
-
-@compiled(INLINED)
-def _room(
-    x: float, y: float, nx: float, ny: float, ax: float, ay: float, bx: float, by: float
-) -> float:
-    """Radius of the circle that touches (x, y), its middle towards the unit (nx, ny), and a → b.
-
-    The least of |q − p|² ÷ 2 (q − p) · n over the points q of the segment: along it a convex
-    function, least where its derivative, a quadratic, is zero.
-    """
-    ux, uy, vx, vy = ax - x, ay - y, bx - ax, by - ay
-    if max(ux * nx + uy * ny, (ux + vx) * nx + (uy + vy) * ny) < 1e-12:
-        return math.inf  # it lies behind
-    square, mixed, rest = vx * vx + vy * vy, ux * vx + uy * vy, ux * ux + uy * uy
-    ahead, rise = ux * nx + uy * ny, vx * nx + vy * ny
-    if abs(rise) < 1e-12:
-        share = -mixed / max(square, 1e-300)
-    else:
-        root = square * square * ahead * ahead - square * rise * (2 * mixed * ahead - rise * rest)
-        share = (math.sqrt(max(root, 0.0)) - square * ahead) / (square * rise)
-    share = min(max(share, 0.0), 1.0)
-    ahead += share * rise
-    if ahead < 1e-12:
-        return math.inf
-    return (rest + share * (2 * mixed + share * square)) / (2 * ahead)
 
 
 @compiled(INTERNAL)
@@ -163,14 +120,19 @@ def _meets(segments: Segments, beads: Beads, width: float, one: int, other: int)
 
 @compiled(INLINED)
 def _contacts(
-    segments: Segments, beads: Beads, width: float, near: Near, found: int, one: int
+    segments: Segments, beads: Beads, width: float, near: Near, found: int, one: int, enough: int
 ) -> int:
-    """On how many stretches others share the room of a bead, of so many that may be near."""
+    """On how many stretches others share the room of a bead, of those `found` that may be near.
+
+    No more than `enough` are looked for.
+    """
     ends, count = segments.ends, 0
     ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
     begins, stops = abs(beads.bends[one]) > CORNER, abs(beads.bends[one + 1]) > CORNER
     for k in range(found):
         other = near.found[k]
+        if count == enough:
+            break
         if other == one or not _meets(segments, beads, width, one, other):
             continue
         low, high = within(ax, ay, bx, by, ends, other, NEAR * width)
@@ -184,82 +146,6 @@ def _contacts(
         near.contacts[count, 0], near.contacts[count, 1] = low, high
         count += 1
     return count
-
-
-@compiled(INLINED)
-def _own(
-    segments: Segments,
-    near: Near,
-    count: int,
-    x: float,
-    y: float,
-    nx: float,
-    ny: float,
-    share: float,
-    most: float,
-) -> float:
-    """How far from (x, y), a place of a piece, its room goes towards (nx, ny); `most`, mm, if free.
-
-    `share` is where on the piece that is; so many others are near.
-    """
-    ends = segments.ends
-    for k in range(count):
-        if near.spans[k, 0] <= share <= near.spans[k, 1]:
-            other = near.others[k]
-            cx, cy, dx, dy = ends[other, 0], ends[other, 1], ends[other, 2], ends[other, 3]
-            most = min(most, _room(x, y, nx, ny, cx, cy, dx, dy))
-    return most
-
-
-@compiled(INLINED)
-def _around(
-    segments: Segments,
-    width: float,
-    near: Near,
-    found: int,
-    one: int,
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-) -> int:
-    """How many others, of those `found`, are near a piece a → b of a bead; `near` has them."""
-    count = 0
-    for k in range(found):
-        other = near.found[k]
-        low, high = within(ax, ay, bx, by, segments.ends, other, TOUCHING * width)
-        if other != one and low <= high:
-            near.others[count] = other
-            near.spans[count, 0], near.spans[count, 1] = low, high
-            count += 1
-    return count
-
-
-@compiled(INTERNAL)
-def _fan(
-    segments: Segments,
-    near: Near,
-    count: int,
-    x: float,
-    y: float,
-    ux: float,
-    uy: float,
-    bend: float,
-    end: int,
-    most: float,
-) -> float:
-    """What a bead in the direction (ux, uy) has of the notch outside a bend at one end, (x, y).
-
-    Mm²: half of the fan there, by two rays; `most` is its radius, mm, where nothing is near.
-    """
-    area, outward = 0.0, -1.0 if bend > 0 else 1.0
-    for ray in range(1, 4, 2):
-        angle = (bend if end else -bend) * ray / 8
-        sine, cosine = outward * math.sin(angle), outward * math.cos(angle)
-        nx, ny = -uy * cosine - ux * sine, ux * cosine - uy * sine
-        radius = _own(segments, near, count, x, y, nx, ny, end, most)
-        area += abs(bend) / 8 * radius * radius
-    return area
 
 
 @compiled(UNCOUNTED)
@@ -284,14 +170,15 @@ def _share(
         area = whole - beads.lost[one] - beads.lost[one + 1]
         crowded = length < max(beads.kites[one], beads.kites[one + 1])
         ax, ay, bx, by = ends[one, 0], ends[one, 1], ends[one, 2], ends[one, 3]
-        found = contacts = 0
+        found = contacts = pieces = 0
         if length >= 1e-9:
             visit += 1
             found = beside(segments, ax, ay, bx, by, width, near.stamp, visit, near.found)
-            contacts = _contacts(segments, beads, width, near, found, one)
-        pieces = 0
-        if contacts or (crowded and length >= 1e-9):
             pieces = math.ceil(length / (PIECE * width))
+            enough = 0 if crowded else 1 if pieces == 1 else found
+            contacts = _contacts(segments, beads, width, near, found, one, enough)
+        if contacts == 0 and not crowded:
+            pieces = 0
         for piece in range(pieces):
             low, high = piece / pieces, (piece + 1) / pieces
             alone = not crowded
@@ -304,7 +191,7 @@ def _share(
             if pieces > FEW:
                 visit += 1
                 found = beside(segments, px, py, qx, qy, width, near.stamp, visit, near.found)
-            count = _around(segments, width, near, found, one, px, py, qx, qy)
+            count = around(segments, width, near, found, one, px, py, qx, qy)
             long = length / pieces
             ux, uy = (bx - ax) / length, (by - ay) / length
             places = min(math.ceil(long / (STEP * width)), len(ENDS) - 1)
@@ -313,13 +200,12 @@ def _share(
                 from_, to = ENDS[places, place], ENDS[places, place + 1]
                 share = (from_ + to) / 2
                 x, y = px + share * (qx - px), py + share * (qy - py)
-                left = _own(segments, near, count, x, y, -uy, ux, share, half)
-                right = _own(segments, near, count, x, y, uy, -ux, share, half)
+                left, right = own(segments, near, count, x, y, -uy, ux, share, half)
                 area += (left + right) * (to - from_) * long
             for end in range(2):
                 if piece == (pieces - 1 if end else 0):
                     bend, (x, y) = beads.bends[one + end], (qx, qy) if end else (px, py)
                     area += beads.lost[one + end]
                     if bend != 0:
-                        area += _fan(segments, near, count, x, y, ux, uy, bend, end, half)
+                        area += fan(segments, near, count, x, y, ux, uy, bend, end, half)
         shares[one] = min(max(area / max(whole, 1e-12), 0.0), 1.0)

@@ -42,19 +42,20 @@ def crossed(loops: Loops, measured: Measured, on: Ints, cuts: Floats, shortest: 
     Cut k goes from cuts[k, 0] to cuts[k, 1], mm along loop on[k]; cuts 2 k and 2 k + 1 are the two
     ends of a link. Corners nearer than `shortest` (mm) to a cut are left out.
     """
-    order = np.lexsort((cuts[:, 0], on))
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
+    begins = np.zeros(len(loops.owner) + 2, np.int64)
+    order, place = np.empty((2, len(on)), np.int64)
+    _sort(on, cuts, begins, order, place)
     room = len(loops.points) + 2 * len(cuts)
     points, owner = np.empty((room, 2)), np.empty(room, np.int64)
     first = np.zeros(len(loops.owner) + 1, np.int64)
     count = _walk(
         measured,
         loops.owner,
-        on[order],
-        cuts[order],
-        place[order ^ 1],
-        np.searchsorted(on[order], np.arange(len(loops.owner) + 1)),
+        on,
+        cuts,
+        begins,
+        order,
+        place,
         max(shortest, GRID),
         np.zeros(len(cuts), np.bool_),
         points,
@@ -63,6 +64,32 @@ def crossed(loops: Loops, measured: Measured, on: Ints, cuts: Floats, shortest: 
     )
     size = first[count]
     return Curves(points[:size].copy(), first[: count + 1].copy(), owner[:size].copy())
+
+
+@compiled(UNCOUNTED)
+def _sort(
+    on: ConstIntArray, cuts: ConstFloatRows, begins: IntArray, order: IntArray, place: IntArray
+) -> None:
+    """Put the cuts of each loop in order, and fill in each one's `place` in that.
+
+    Those of loop k come to be order[begins[k]] … order[begins[k + 1]]. `begins` comes as zeros, one
+    more than there are ends of loops.
+    """
+    for cut in range(len(on)):
+        begins[on[cut] + 2] += 1
+    for loop in range(2, len(begins)):
+        begins[loop] += begins[loop - 1]
+    for cut in range(len(on)):
+        order[begins[on[cut] + 1]] = cut
+        begins[on[cut] + 1] += 1
+    for k in range(len(on)):
+        cut, here = order[k], k
+        while here > begins[on[cut]] and cuts[order[here - 1], 0] > cuts[cut, 0]:
+            order[here] = order[here - 1]
+            here -= 1
+        order[here] = cut
+    for k in range(len(on)):
+        place[order[k]] = k
 
 
 @compiled(INTERNAL)
@@ -109,39 +136,41 @@ def _walk(
     owners: ConstIntArray,
     on: ConstIntArray,
     cuts: ConstFloatRows,
-    partner: ConstIntArray,
-    cut_first: ConstIntArray,
+    begins: ConstIntArray,
+    order: ConstIntArray,
+    place: ConstIntArray,
     shortest: float,
     seen: BoolArray,
     out: FloatRows,
     owner: IntArray,
-    begins: IntArray,
+    first: IntArray,
 ) -> int:
     """From the end of a cut on to the next of its loop, and over to that one's partner."""
     curves, size = 0, 0
     for loop in range(len(owners)):
-        if cut_first[loop] == cut_first[loop + 1]:
+        if begins[loop] == begins[loop + 1]:
             for k in range(loops.first[loop], loops.first[loop + 1]):
                 out[size, 0], out[size, 1] = loops.points[k, 0], loops.points[k, 1]
                 owner[size] = owners[loop]
                 size += 1
             curves += 1
-            begins[curves] = size
+            first[curves] = size
             continue
-        cut = cut_first[loop]
+        cut = order[begins[loop]]
         if seen[cut]:
             continue
         while not seen[cut]:
             seen[cut] = True
             here = on[cut]
-            following = cut + 1 if cut + 1 < cut_first[here + 1] else cut_first[here]
+            after = place[cut] + 1
+            following = order[after if after < begins[here + 1] else begins[here]]
             size = _arc(
                 loops, here, cuts[cut, 1], cuts[following, 0], owners[here], shortest,
                 out, owner, size,
             )  # fmt: skip
-            cut = partner[following]
+            cut = following ^ 1
         curves += 1
-        begins[curves] = size
+        first[curves] = size
     return curves
 
 

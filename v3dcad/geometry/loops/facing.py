@@ -44,15 +44,14 @@ class Facing(Value):
 
 def facing(loops: Loops, measured: Measured, spacing: float) -> Facing:
     """All stretches on which two loops face each other about one bead `spacing` (mm) apart."""
-    room, none = 4 * len(loops.points), np.empty((0, 2))
-    if not room:
-        return Facing(np.empty((0, 2), np.int64), none, np.empty(0), none, none)
-    loop = np.repeat(np.arange(len(loops.owner)), np.diff(loops.first))
-    segments = Segments.of(loops.points, loops.points[loops.after()], (1 + SLACK) * spacing)
+    room = 4 * len(loops.points)
+    ends, loop = np.empty((len(loops.points), 4)), np.empty(len(loops.points), np.int64)
+    _sides(measured, ends, loop)
+    segments = Segments.along(ends, (1 + SLACK) * spacing)
     near = np.empty(len(loop) + 1, np.int64)
     while True:
-        pairs, along, beyond = np.empty((room, 2), np.int64), np.empty((room, 2)), np.empty(room)
-        lines = np.empty((room, 4))
+        pairs, beyond = np.empty((room, 2), np.int64), np.empty(room)
+        along, middle, ahead = np.empty((3, room, 2))
         count = _faced(
             segments,
             loop,
@@ -63,12 +62,27 @@ def facing(loops: Loops, measured: Measured, spacing: float) -> Facing:
             pairs,
             along,
             beyond,
-            lines,
+            middle,
+            ahead,
         )
         if count <= room:
-            middle, ahead = lines[:count, :2], lines[:count, 2:]
-            return Facing(pairs[:count], along[:count], beyond[:count], middle, ahead)
+            return Facing(
+                pairs[:count], along[:count], beyond[:count], middle[:count], ahead[:count]
+            )
         room = count
+
+
+@compiled(UNCOUNTED)
+def _sides(loops: Measured, ends: FloatRows, loop: IntArray) -> None:
+    """Fill in the ends of the segments that loops are made of, and whose each is."""
+    points = loops.points
+    for one in range(len(loops.length)):
+        low, high = loops.first[one], loops.first[one + 1]
+        for k in range(low, high):
+            after = k + 1 if k + 1 < high else low
+            ends[k, 0], ends[k, 1] = points[k, 0], points[k, 1]
+            ends[k, 2], ends[k, 3] = points[after, 0], points[after, 1]
+            loop[k] = one
 
 
 @compiled(UNCOUNTED)
@@ -82,7 +96,8 @@ def _faced(
     pairs: IntRows,
     along: FloatRows,
     beyond: FloatArray,
-    lines: FloatRows,
+    middles: FloatRows,
+    ahead: FloatRows,
 ) -> int:
     """How many stretches there are; those that there is no room for are only counted."""
     count = 0
@@ -120,7 +135,7 @@ def _faced(
                 pairs[count, 0], pairs[count, 1] = loop[one], loop[other]
                 along[count, 0], along[count, 1] = at[one] + low, at[one] + high
                 beyond[count] = at[other] + share * long + at[one] + middle
-                lines[count, 0], lines[count, 1] = ax + ux * middle, ay + uy * middle
-                lines[count, 2], lines[count, 3] = ux, uy
+                middles[count, 0], middles[count, 1] = ax + ux * middle, ay + uy * middle
+                ahead[count, 0], ahead[count, 1] = ux, uy
             count += 1
     return count

@@ -17,7 +17,9 @@ from v3dcad.geometry.compiled.arrays import (
     ConstFloatRows,
     ConstIntArray,
     ConstIntRows,
+    FloatArray,
     FloatRows,
+    Int16Array,
     IntArray,
 )
 from v3dcad.geometry.compiled.options import INTERNAL, UNCOUNTED, compiled
@@ -39,6 +41,8 @@ TRIALS = 5
 """Places on a wall at which a link is tried."""
 COSTS = 8
 """Links whose costs differ by less than one part in so many are as good as each other."""
+DEAR = 1 + 8 * COSTS
+"""More than costs can differ by."""
 OWNERS = 2**32
 """More than there are owners."""
 
@@ -54,26 +58,29 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     """
     measured = loops.measured()
     found = facing(loops, measured, spacing)
-    stretch = found.along[:, 1] - found.along[:, 0]
-    middle = (found.along[:, 0] + found.along[:, 1]) / 2
-    one, other = loops.owner[found.loops].T
-    walls = np.minimum(one, other) * OWNERS + np.maximum(one, other)
-    turn = linked.layer * GOLDEN % 1.0
-    phase = (middle / measured.length[found.loops[:, 0]] + turn) % 1.0
-    rest, places, until = linked.known(walls)
-    away = places - found.middle
-    stays = ~np.isnan(away[:, 0])
     ends = wall_ends(measured, found, spacing)
-    cost = np.rint(ends.cost * COSTS)
-    begins = np.where(stays, (away * found.ahead).sum(axis=1) < 0, cost[:, 0] < cost[:, 1])
-    order = np.lexsort(
-        (
-            np.where(stays, (away**2).sum(axis=1), phase),
-            np.where(stays, 0, cost.min(axis=1)),
-            np.where(stays, -1, rest < RESTED),
-            stretch < spacing,
-        )
+    count = len(found.loops)
+    walls, begins = np.empty(count, np.int64), np.empty(count, np.bool_)
+    rank, last = np.empty(count, np.int16), np.empty(count)
+    _name(loops.owner, found.loops, walls)
+    rest, places, until = linked.known(walls)
+    turn = linked.layer * GOLDEN % 1.0
+    _rank(
+        measured,
+        found.loops,
+        found.along,
+        found.middle,
+        found.ahead,
+        ends.cost,
+        rest,
+        places,
+        spacing,
+        turn,
+        begins,
+        rank,
+        last,
     )
+    order = np.lexsort((last, rank))
     most = max(len(loops.owner) - 1, 0)
     cuts, link, middles = np.empty((2 * most, 2)), np.empty(most, np.int64), np.empty((most, 2))
     count = _choose(
@@ -97,6 +104,51 @@ def joined(loops: Loops, spacing: float, linked: Linked, shortest: float = 0.0) 
     linked.note(walls[link], middles[:count], until[link])
     on = found.loops[link].ravel()
     return crossed(loops, measured, on, cuts[: 2 * count], shortest)
+
+
+@compiled(UNCOUNTED)
+def _name(owner: ConstIntArray, pairs: ConstIntRows, walls: IntArray) -> None:
+    """Give each wall a number that it has on all layers, by the owners on both sides."""
+    for k in range(len(pairs)):
+        one, other = owner[pairs[k, 0]], owner[pairs[k, 1]]
+        walls[k] = min(one, other) * OWNERS + max(one, other)
+
+
+@compiled(UNCOUNTED)
+def _rank(
+    loops: Measured,
+    pairs: ConstIntRows,
+    along: ConstFloatRows,
+    middle: ConstFloatRows,
+    ahead: ConstFloatRows,
+    cost: ConstFloatRows,
+    rest: ConstIntArray,
+    places: ConstFloatRows,
+    spacing: float,
+    turn: float,
+    begins: BoolArray,
+    rank: Int16Array,
+    last: FloatArray,
+) -> None:
+    """In which order stretches are tried: by `rank`, and then by what is `last`.
+
+    And whether each is tried first where its wall `begins`.
+    """
+    for k in range(len(pairs)):
+        long = along[k, 1] - along[k, 0]
+        x, y = places[k, 0] - middle[k, 0], places[k, 1] - middle[k, 1]
+        if math.isnan(x):  # no link stays
+            first, second = np.rint(cost[k, 0] * COSTS), np.rint(cost[k, 1] * COSTS)
+            begins[k] = first < second
+            rank[k] = DEAR * (1 + (rest[k] < RESTED)) + int(min(first, second))
+            share = (along[k, 0] + along[k, 1]) / 2 / loops.length[pairs[k, 0]]
+            last[k] = (share + turn) % 1.0
+        else:
+            begins[k] = x * ahead[k, 0] + y * ahead[k, 1] < 0
+            rank[k] = 0
+            last[k] = x * x + y * y
+        if long < spacing:
+            rank[k] += 3 * DEAR
 
 
 @compiled(INTERNAL)

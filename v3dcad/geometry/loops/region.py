@@ -13,26 +13,30 @@ import numpy as np
 import shapely
 
 from v3dcad.geometry.compiled.arrays import (
+    BoolArray,
     ConstFloatRows,
     ConstIntArray,
     FloatRows,
     IntArray,
 )
 from v3dcad.geometry.compiled.options import ENTRY, INTERNAL, compiled
+from v3dcad.geometry.loops.convex_cells import (
+    GRAZING,
+    comes_near,
+    crossing,
+    look_inside,
+    place_along,
+)
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.geometry.loops.segments import Segments, bin_range
 from v3dcad.model import Floats, Ints
 
 SHORTEST = 1e-7
 """mm: a shorter chain is none."""
-GRAZING = 1e-6
-"""mm: contours so near to a cell's box are looked at."""
 NUDGE = np.array([3.1, 1.7]) * 1e-11
 """mm by which contours are moved, so that none lies exactly along a cell's side or ends on it: such
 ties would have to be told apart, and rounded numbers cannot (Edelsbrunner and Mücke, "Simulation
 of simplicity", 1990, move points by amounts too small to compute with)."""
-NEARLY = 1e-4
-"""The share of the way from a cell's corner to its middle at which the corner is looked at."""
 
 
 class Region:
@@ -56,60 +60,20 @@ class Region:
         """
         if not len(self._loops.points) or not len(corners):
             return Loops.of([], [])
-        begins = np.minimum(first[:-1], len(corners) - 1)
-        middle = np.add.reduceat(corners, begins) / np.maximum(np.diff(first), 1)[:, None]
-        seen = corners[begins]
-        seen += NEARLY * (middle - seen)
+        seen = np.zeros((len(first) - 1, 2))
+        look_inside(corners, first, seen)
         inside = shapely.contains_xy(self.area, seen)
         rooms = np.array([2 * len(corners) + 4 * len(self._loops.points), len(first) + 64])
         while True:
             points = np.empty((rooms[0], 2))
             starts, owner = np.empty(rooms[1] + 1, np.int64), np.empty(rooms[1], np.int64)
             count, used = _cut(
-                corners, first, inside.view(np.uint8).astype(np.int64), self._loops.points,
+                corners, first, inside, self._loops.points,
                 self._after, self._segments, least_length, least_area, points, starts, owner,
             )  # fmt: skip
             if used <= rooms[0] and count <= rooms[1]:
                 return Loops(points[:used], starts[: count + 1], owner[:count])
             rooms = np.maximum(2 * rooms, [used, count])
-
-
-@compiled(INTERNAL)
-def _crossing(
-    now: ConstFloatRows, low: int, high: int, ax: float, ay: float, bx: float, by: float
-) -> tuple[bool, bool, float, int, float, int]:
-    """How a segment a → b meets a convex cell, the corners low … high of `now`.
-
-    Whether a and b lie inside; the share of the way at which it enters and through which side;
-    and the same of where it leaves. It misses the cell where it leaves before it enters.
-    """
-    a_inside, b_inside = True, True
-    enters, leaves, way_in, way_out = 0.0, 1.0, -1, -1
-    for k in range(low, high):
-        after = k + 1 if k + 1 < high else low
-        dx, dy = now[after, 0] - now[k, 0], now[after, 1] - now[k, 1]
-        a = dx * (ay - now[k, 1]) - dy * (ax - now[k, 0])
-        b = dx * (by - now[k, 1]) - dy * (bx - now[k, 0])
-        if a < 0:
-            a_inside = False
-            if b < 0:
-                enters, leaves = 1.0, 0.0
-            elif a / (a - b) >= enters:
-                enters, way_in = a / (a - b), k
-        if b < 0:
-            b_inside = False
-            if a >= 0 and a / (a - b) <= leaves:
-                leaves, way_out = a / (a - b), k
-    return a_inside, b_inside, enters, way_in, leaves, way_out
-
-
-@compiled(INTERNAL)
-def _key(now: ConstFloatRows, low: int, high: int, side: int, x: float, y: float) -> float:
-    """Where (x, y) lies along a cell's sides: the side's number and the share of it passed."""
-    after = side + 1 if side + 1 < high else low
-    dx, dy = now[after, 0] - now[side, 0], now[after, 1] - now[side, 1]
-    share = ((x - now[side, 0]) * dx + (y - now[side, 1]) * dy) / max(dx * dx + dy * dy, 1e-300)
-    return side - low + min(max(share, 0.0), 1.0 - 1e-15)
 
 
 @compiled(INTERNAL)
@@ -141,7 +105,7 @@ def _closed(
 def _cut(
     corners: ConstFloatRows,
     first: ConstIntArray,
-    inside: ConstIntArray,
+    inside: BoolArray,
     rim: ConstFloatRows,
     after: ConstIntArray,
     segments: Segments,
@@ -179,16 +143,17 @@ def _cut(
             for bin_ in range(row * shape[0] + columns[0], row * shape[0] + columns[1] + 1):
                 for k in range(bin_first[bin_], bin_first[bin_ + 1]):
                     segment = items[k]
-                    if stamp[segment] != cell:
-                        stamp[segment] = cell
-                        near[found] = segment
-                        found += 1
+                    if stamp[segment] == cell:
+                        continue
+                    stamp[segment] = cell
+                    near[found] = segment
+                    found += comes_near(rim, segment, after[segment], left, bottom, right, top)
         chains, filled = 0, 0
         chain_first[0] = 0
         for k in range(found):
             segment = near[k]
             end = after[segment]
-            a_in, b_in, enters, way_in, leaves, way_out = _crossing(
+            a_in, b_in, enters, way_in, leaves, way_out = crossing(
                 corners, low, high,
                 rim[segment, 0], rim[segment, 1], rim[end, 0], rim[end, 1],
             )  # fmt: skip
@@ -198,14 +163,14 @@ def _cut(
             y = rim[segment, 1] + enters * (rim[end, 1] - rim[segment, 1])
             chain[filled, 0], chain[filled, 1] = x, y
             filled += 1
-            enters_at[chains] = _key(corners, low, high, way_in, x, y)
+            enters_at[chains] = place_along(corners, low, high, way_in, x, y)
             passed[segment] = cell
             while b_in:
                 chain[filled, 0], chain[filled, 1] = rim[end, 0], rim[end, 1]
                 filled += 1
                 segment, end = end, after[end]
                 passed[segment] = cell
-                _, b_in, _, _, leaves, way_out = _crossing(
+                _, b_in, _, _, leaves, way_out = crossing(
                     corners, low, high,
                     rim[segment, 0], rim[segment, 1], rim[end, 0], rim[end, 1],
                 )  # fmt: skip
@@ -220,7 +185,7 @@ def _cut(
             if length < SHORTEST:
                 filled = chain_first[chains]
                 continue
-            leaves_at[chains] = _key(corners, low, high, way_out, x, y)
+            leaves_at[chains] = place_along(corners, low, high, way_out, x, y)
             done[chains] = False
             chains += 1
             chain_first[chains] = filled
@@ -272,7 +237,7 @@ def _cut(
             while passed[current] != cell:
                 passed[current] = cell
                 end = after[current]
-                a_in, b_in, _, _, _, _ = _crossing(
+                a_in, b_in, _, _, _, _ = crossing(
                     corners, low, high,
                     rim[current, 0], rim[current, 1], rim[end, 0], rim[end, 1],
                 )  # fmt: skip

@@ -37,13 +37,16 @@ class Segments(NamedTuple):
 
     @classmethod
     def of(cls, start: Floats, stop: Floats, reach: float) -> Segments:
-        """Segments from `start` (n, 2) to `stop` (n, 2), mm, in all bins within `reach` of one.
+        """Segments from `start` (n, 2) to `stop` (n, 2), mm, as `along` makes them."""
+        return cls.along(np.hstack([start, stop]), reach)
+
+    @classmethod
+    def along(cls, ends: FloatRows, reach: float) -> Segments:
+        """Segments by their `ends` (n, 4), mm, in all bins within `reach` of each.
 
         Bins are about as large as a segment is long, on average; smaller, where many long ones lie
         side by side; but not smaller than `reach`.
         """
-        ends = np.empty((len(start), 4))
-        ends[:, :2], ends[:, 2:] = start, stop
         frame, shape = np.array([0.0, 0, 1, reach]), np.ones(2, np.int64)
         if len(ends):
             _set_up(ends, frame, shape)

@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from v3dcad.errors import GeometryError
-from v3dcad.geometry.compiled.arrays import ConstIntRows, IntArray
-from v3dcad.geometry.compiled.options import ENTRY, compiled
+from v3dcad.geometry.compiled.arrays import (
+    ConstFloatArray,
+    ConstFloatRows,
+    ConstIntRows,
+    IntArray,
+    IntRows,
+)
+from v3dcad.geometry.compiled.options import ENTRY, UNCOUNTED, compiled
 from v3dcad.model import Floats, Ints
 
 STEPS = 1 << 24
@@ -60,17 +65,19 @@ class Grid:
 
         `GeometryError` for one that is not finite or outside the frame.
         """
-        points = np.asarray(points, np.float64).reshape(-1, 2)
-        _refuse(~np.isfinite(points).all(axis=1), "its coordinates are not finite numbers")
-        scaled = (points - self.origin) / self.pitch
-        outside = ((scaled < -0.5) | (scaled > STEPS + 0.5)).any(axis=1)
+        points = np.ascontiguousarray(points, np.float64).reshape(-1, 2)
+        snapped = np.empty(points.shape, np.int64)
         x, y = self.origin
-        _refuse(
-            outside,
-            f"it lies outside the plane's range, {self.size:g} mm each way from ({x:g}, {y:g}); "
-            "move it into the part's base rectangle",
-        )
-        return np.rint(scaled).astype(np.int64)
+        faulty = _snap(points, x, y, self.pitch, snapped)
+        if faulty >= 0 and np.isfinite(points[faulty]).all():
+            raise GeometryError(
+                f"it lies outside the plane's range, {self.size:g} mm each way from "
+                f"({x:g}, {y:g}); move it into the part's base rectangle",
+                site=faulty,
+            )
+        if faulty >= 0:
+            raise GeometryError("its coordinates are not finite numbers", site=faulty)
+        return snapped
 
     def millimetres(self, points: Ints | Floats) -> Floats:
         """Grid points (n, 2) in mm."""
@@ -78,18 +85,39 @@ class Grid:
 
     def snap_weights(self, weights: Floats) -> Ints:
         """Weights (n,), mm², as whole steps²; `GeometryError` beyond the safe range."""
-        weights = np.asarray(weights, np.float64)
-        _refuse(~np.isfinite(weights), "its weight is not a finite number")
-        _refuse(
-            np.abs(weights / self.pitch**2) > HEAVIEST,
-            f"its weight is beyond the safe range of ±{self.heaviest:g} mm²",
-        )
-        return np.rint(weights / self.pitch**2).astype(np.int64)
+        weights = np.ascontiguousarray(weights, np.float64)
+        snapped = np.empty(len(weights), np.int64)
+        faulty = _snap_weights(weights, self.pitch**2, snapped)
+        if faulty >= 0 and np.isfinite(weights[faulty]):
+            raise GeometryError(
+                f"its weight is beyond the safe range of ±{self.heaviest:g} mm²", site=faulty
+            )
+        if faulty >= 0:
+            raise GeometryError("its weight is not a finite number", site=faulty)
+        return snapped
 
 
-def _refuse(faulty: Any, message: str) -> None:
-    for site in np.nonzero(faulty)[0]:
-        raise GeometryError(message, site=int(site))
+@compiled(UNCOUNTED)
+def _snap(points: ConstFloatRows, x: float, y: float, pitch: float, snapped: IntRows) -> int:
+    """Write the grid points nearest to points; returns the first one outside the grid, or -1."""
+    for row in range(len(points)):
+        for axis in range(2):
+            place = (points[row, axis] - (y if axis else x)) / pitch
+            if not -0.5 <= place <= STEPS + 0.5:
+                return row
+            snapped[row, axis] = int(np.rint(place))
+    return -1
+
+
+@compiled(UNCOUNTED)
+def _snap_weights(weights: ConstFloatArray, step: float, snapped: IntArray) -> int:
+    """Write weights as whole steps (mm²); returns the first one beyond the safe range, or -1."""
+    for row in range(len(weights)):
+        weight = weights[row] / step
+        if not abs(weight) <= HEAVIEST:
+            return row
+        snapped[row] = int(np.rint(weight))
+    return -1
 
 
 @compiled(ENTRY)
