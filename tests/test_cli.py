@@ -364,6 +364,45 @@ def test_without_libgl_the_remedy_is_named(
     assert "apt-get install -y libgl1" in said
 
 
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_while_the_kernel_is_imported_is_no_missing_kernel(name: str) -> None:
+    """C++ modules make an ImportError of what ends them."""
+    program = f"""
+import os, signal, sys
+class Stops:
+    def find_spec(self, name, *_):
+        if name == "OCP":
+            try:
+                os.kill(os.getpid(), signal.{name})
+            except BaseException as error:
+                raise ImportError("initialization failed") from error
+sys.meta_path.insert(0, Stops())
+signal.signal(signal.{name}, signal.{USUAL[name]})
+from v3dcad import cli
+@cli.app.command()
+def make() -> None:
+    import v3dcad.kernel
+cli.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program, "make"], capture_output=True, encoding="utf-8", timeout=100
+    )
+    assert done.returncode == {"SIGINT": 130, "SIGTERM": 143}[name]
+    assert done.stderr == ""
+
+
+def test_a_signal_before_the_command_is_read_goes_untold(monkeypatch: pytest.MonkeyPatch) -> None:
+    from v3dcad import cli
+
+    def stopped(**_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "app", stopped)
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 130
+
+
 USUAL = {"SIGINT": "default_int_handler", "SIGTERM": "SIG_DFL", "SIGHUP": "SIG_DFL"}
 """What becomes of signals in a shell. pytest-xdist and nohup ignore them; children inherit that."""
 

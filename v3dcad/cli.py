@@ -80,6 +80,8 @@ def main() -> None:
         _fail(_usage(error))
     except typer.Abort:
         sys.exit(1)
+    except KeyboardInterrupt:  # before typer listens, which ends with the same number
+        sys.exit(128 + signal.SIGINT)
     except MemoryError:
         _fail("not enough memory for this: take larger cells, or layers farther apart")
 
