@@ -99,7 +99,7 @@ class Declared:
                 name, f"{option(name)} {value}: give a number of at least {self.least:g}{unit}"
             )
         if value > self.most:
-            percent = f", or of at most {100 * self.most:g}%" if self.share else ""
+            percent = f", which is {100 * self.most:g}%" if self.share else ""
             raise SettingError(
                 name,
                 f"{option(name)} {value}: give a number of at most {self.most:g}{unit}{percent}",
