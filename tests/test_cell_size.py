@@ -149,7 +149,11 @@ def test_what_cannot_be_reached_is_told_with_what_can(wish: dict[str, float], to
         ({"density": 0.2, "mass": 5.0}, "mass", "mass: density says how large cells are"),
         ({"density": 15}, "density", "density 15: give a number of at most 1, which is 100%"),
         ({"density": 0}, "density", "density 0: give a number above 0"),
-        ({"density": "150%"}, "density", r"density 1\.5: give a number of at most 1, which is 100%"),
+        (
+            {"density": "150%"},
+            "density",
+            r"density 1\.5: give a number of at most 1, which is 100%",
+        ),
         ({"density": "much"}, "density", "density 'much': give a number or off"),
         ({"density": "x%"}, "density", "density 'x%': give a number or off"),
         ({"mass": "5%"}, "mass", "mass '5%': give a number or off"),
