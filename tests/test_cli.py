@@ -470,6 +470,41 @@ def test_what_a_signal_leaves_half_made_goes_untold(number: str, code: int) -> N
     assert (child.returncode, said) == (code, "")
 
 
+SWALLOWED = """
+import signal, time
+from v3dcad import cli
+
+class Slow:
+    def __del__(self):
+        print("begun", flush=True)
+        time.sleep(100)
+
+@cli.app.command()
+def make() -> None:
+    Slow()
+    time.sleep(10)
+    print("went on")
+
+signal.signal(signal.{number}, signal.{usual})
+cli.main()
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_that_a_destructor_swallows_ends_the_command(number: str, code: int) -> None:
+    import signal
+
+    child = subprocess.Popen(
+        [sys.executable, "-c", SWALLOWED.format(number=number, usual=USUAL[number]), "make"],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
+    )  # fmt: skip
+    assert child.stdout is not None
+    assert child.stdout.readline() == "begun\n"
+    child.send_signal(getattr(signal, number))
+    told, said = child.communicate(timeout=100)
+    assert (child.returncode, told, said) == (code, "", "")
+
+
 def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:
     names = ("a.ont", "a.step", "a.3mf", "a.stl", "a.brep", "a.svg")
     ont, step, threemf, stl, brep, svg = (tmp_path / name for name in names)
