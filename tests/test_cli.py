@@ -364,6 +364,45 @@ def test_without_libgl_the_remedy_is_named(
     assert "apt-get install -y libgl1" in said
 
 
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_while_the_kernel_is_imported_is_no_missing_kernel(name: str) -> None:
+    """C++ modules make an ImportError of what ends them."""
+    program = f"""
+import os, signal, sys
+class Stops:
+    def find_spec(self, name, *_):
+        if name == "OCP":
+            try:
+                os.kill(os.getpid(), signal.{name})
+            except BaseException as error:
+                raise ImportError("initialization failed") from error
+sys.meta_path.insert(0, Stops())
+signal.signal(signal.{name}, signal.{USUAL[name]})
+from v3dcad import cli
+@cli.app.command()
+def make() -> None:
+    import v3dcad.kernel
+cli.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program, "make"], capture_output=True, encoding="utf-8", timeout=100
+    )
+    assert done.returncode == {"SIGINT": 130, "SIGTERM": 143}[name]
+    assert done.stderr == ""
+
+
+def test_a_signal_before_the_command_is_read_goes_untold(monkeypatch: pytest.MonkeyPatch) -> None:
+    from v3dcad import cli
+
+    def stopped(**_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "app", stopped)
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 130
+
+
 USUAL = {"SIGINT": "default_int_handler", "SIGTERM": "SIG_DFL", "SIGHUP": "SIG_DFL"}
 """What becomes of signals in a shell. pytest-xdist and nohup ignore them; children inherit that."""
 
@@ -429,6 +468,41 @@ def test_what_a_signal_leaves_half_made_goes_untold(number: str, code: int) -> N
     child.send_signal(getattr(signal, number))
     _, said = child.communicate(timeout=100)
     assert (child.returncode, said) == (code, "")
+
+
+SWALLOWED = """
+import signal, time
+from v3dcad import cli
+
+class Slow:
+    def __del__(self):
+        print("begun", flush=True)
+        time.sleep(100)
+
+@cli.app.command()
+def make() -> None:
+    Slow()
+    time.sleep(10)
+    print("went on")
+
+signal.signal(signal.{number}, signal.{usual})
+cli.main()
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_signal_that_a_destructor_swallows_ends_the_command(number: str, code: int) -> None:
+    import signal
+
+    child = subprocess.Popen(
+        [sys.executable, "-c", SWALLOWED.format(number=number, usual=USUAL[number]), "make"],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
+    )  # fmt: skip
+    assert child.stdout is not None
+    assert child.stdout.readline() == "begun\n"
+    child.send_signal(getattr(signal, number))
+    told, said = child.communicate(timeout=100)
+    assert (child.returncode, told, said) == (code, "", "")
 
 
 def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 GUIDE = (ROOT / "docs" / "scripting.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.filterwarnings("ignore:.* cells are wide. they close up")
+@pytest.mark.filterwarnings("ignore:.* narrower than a .*, and filled solid")
 def test_scripting_guide_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("guide.py").write_text("\n".join(re.findall(r"```python\n(.*?)```", GUIDE, re.S)), "utf-8")
@@ -63,7 +63,7 @@ def test_the_gallery_shows_each_of_its_pictures() -> None:
     assert all((ROOT / "docs" / file).stat().st_size <= 64_000 for file in there)
 
 
-@pytest.mark.filterwarnings("ignore:.* cells are wide. they close up")
+@pytest.mark.filterwarnings("ignore:.* narrower than a .*, and filled solid")
 def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cadquery_or_skip()
     monkeypatch.chdir(tmp_path)
@@ -78,7 +78,7 @@ def test_cadquery_guide_and_sample_run(tmp_path: Path, monkeypatch: pytest.Monke
     assert Path("cadquery_parts.step").stat().st_size > 10_000
 
 
-@pytest.mark.filterwarnings("ignore:.* cells are wide. they close up")
+@pytest.mark.filterwarnings("ignore:.* narrower than a .*, and filled solid")
 @pytest.mark.parametrize(
     "name",
     [

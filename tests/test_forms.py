@@ -26,7 +26,7 @@ from v3dcad.geometry.solid.convex_cells import inset_cells
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:.* cells are wide. they close up"),
+    pytest.mark.filterwarnings("ignore:.* narrower than a .*, and filled solid"),
 ]
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}
@@ -419,6 +419,7 @@ def test_cells_that_struts_close_up_are_counted(structure: Structure) -> None:
     for diameter in (14.0, 20.0, 60.0):
         closed = count - len(inset_cells(facets, diameter / 2, low - 1, high + 1))
         assert closed > 0
-        says = f"diameter {diameter:g} mm is more than {closed} cells are wide: they close up"
+        narrow = "1 cell is" if closed == 1 else f"{closed} cells are"
+        says = f"{narrow} narrower than a diameter of {diameter:g} mm, and filled solid"
         with pytest.warns(UserWarning, match=says):
             structure.strut_mesh(diameter)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import signal
 import sys
+import threading
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -17,6 +18,9 @@ from v3dcad.version import VERSION
 FEW = 50_000
 """New objects after which Python looks for cycles that nobody needs. Modules and arrays leave few:
 with its own 700 that takes a twelfth of a fill."""
+
+AGAIN = 0.05
+"""Seconds after which a signal that was swallowed comes once more."""
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -80,14 +84,23 @@ def main() -> None:
         _fail(_usage(error))
     except typer.Abort:
         sys.exit(1)
+    except KeyboardInterrupt:  # before typer listens, which ends with the same number
+        sys.exit(128 + signal.SIGINT)
     except MemoryError:
         _fail("not enough memory for this: take larger cells, or layers farther apart")
 
 
 def _end(number: int, _: object) -> NoReturn:
     # What a signal leaves half made may fail to be taken apart, as in the compiler: Python would
-    # tell of that.
-    sys.unraisablehook = lambda _: None
+    # tell of that. And what ends the command is itself swallowed where it comes in a destructor or
+    # in one of the compiler's callbacks: then the signal comes once more, when that is over.
+    def ignored(unraisable: sys.UnraisableHookArgs) -> None:
+        if isinstance(unraisable.exc_value, (KeyboardInterrupt, SystemExit)):
+            again = threading.Timer(AGAIN, signal.raise_signal, (number,))
+            again.daemon = True
+            again.start()
+
+    sys.unraisablehook = ignored
     if number == signal.SIGINT:
         raise KeyboardInterrupt
     sys.exit(128 + number)

@@ -102,7 +102,7 @@ class Declared:
                 name, f"{option(name)} {value}: give a number of at least {self.least:g}{unit}"
             )
         if value > self.most:
-            percent = f", or {value:g}%" if self.share else ""
+            percent = f", which is {100 * self.most:g}%" if self.share else ""
             raise SettingError(
                 name,
                 f"{option(name)} {value}: give a number of at most {self.most:g}{unit}{percent}",

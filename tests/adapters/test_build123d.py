@@ -35,7 +35,7 @@ from v3dcad.errors import SettingError, V3dcadError
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:.* cells are wide. they close up"),
+    pytest.mark.filterwarnings("ignore:.* narrower than a .*, and filled solid"),
 ]
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}

@@ -19,7 +19,7 @@ import v3dcad.adapters.cadquery  # noqa: E402
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:.* cells are wide. they close up"),
+    pytest.mark.filterwarnings("ignore:.* narrower than a .*, and filled solid"),
 ]
 
 SETTINGS = {"cell_size": 8.0, "layer_height": 1.0}

@@ -141,6 +141,25 @@ def test_what_cannot_be_read_of_a_file_is_told(word: bytes, samples: Path, tmp_p
 
 
 @pytest.mark.parametrize(
+    ("sample", "before", "after"),
+    [
+        ("islands", b"ITEM_DEFINED_TRANSFORMATION('','',", b"ITEM_DEFINED_TRANSFORMATION($,$,"),
+        ("bracket", b"ENDSEC;\nEND-ISO", b"#9999 = CURVE_STYLE('',$,$,$);\nENDSEC;\nEND-ISO"),
+    ],
+)
+def test_colours_and_names_are_not_missed(
+    sample: str, before: bytes, after: bytes, samples: Path, tmp_path: Path
+) -> None:
+    """CAD programs write some that OCCT does not read: no note for what no print shows."""
+    data = (samples / f"{sample}.step").read_bytes()
+    assert before in data
+    (tmp_path / "a.step").write_bytes(data.replace(before, after))
+    part = v3dcad.part_from(tmp_path / "a.step")
+    assert part.findings == ()
+    np.testing.assert_array_equal(part.bounds, v3dcad.part_from(samples / f"{sample}.step").bounds)
+
+
+@pytest.mark.parametrize(
     ("word", "says"),
     [
         (b"ADVANCED_FACE", "only 14 faces without an inside"),

@@ -65,6 +65,22 @@ def test_it_is_told_which_overlap_and_by_how_much() -> None:
     assert many.findings[-1] == "2 more pairs of solids overlap by less"
 
 
+def test_each_solid_is_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes as long as a boolean, and solids of an assembly meet many others."""
+    solids = [shapes.box((0, 0, 0), (40, 10, 10)), *boxes(*((k, 0, 10) for k in range(0, 40, 10)))]
+    measured: list[TopoDS_Shape] = []
+
+    def counted(shape: TopoDS_Shape) -> float:
+        measured.append(shape)
+        return volume(shape)
+
+    monkeypatch.setattr(union, "volume", counted)
+    moved = boxes((5, 0, 5))
+    pairs, _ = union.overlaps(compound([*solids, *moved]))
+    assert len(pairs) == 3
+    assert all(sum(shape.IsSame(solid) for shape in measured) <= 1 for solid in (*solids, *moved))
+
+
 def test_what_occt_cannot_unite_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = compound(BODIES["balls"][:2])
     monkeypatch.setattr(union, "fused", lambda some, others: some[0])

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -363,6 +364,8 @@ def test_what_is_too_narrow_is_reported() -> None:
         "2.00 mm² on 1 layer stay empty, too narrow for a bead; use a narrower bead, or "
         "--contour centre"
     ]
+    assert findings([replace(report, narrow_area=0.004)] * 2) == [], "no finding of 0.00 mm²"
+    assert findings([replace(report, narrow_area=0.005)] * 2)
 
 
 def test_joined_edges_are_a_finding() -> None:

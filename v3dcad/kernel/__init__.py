@@ -9,8 +9,8 @@ from v3dcad.errors import MissingKernelError
 try:
     from OCP.Message import Message
 except ImportError as error:
-    if isinstance(error.__cause__, KeyboardInterrupt):
-        raise KeyboardInterrupt from None
+    if isinstance(error.__cause__, (KeyboardInterrupt, SystemExit)):  # a signal came meanwhile
+        raise error.__cause__ from None
     if "libGL" in str(error):
         raise MissingKernelError(
             "the geometry kernel needs the system library libGL.so.1: "

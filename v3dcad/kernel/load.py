@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from OCP.BinTools import BinTools
 from OCP.BRep import BRep_Builder
@@ -18,6 +20,10 @@ from v3dcad.words import counted
 
 TAIL = 4096
 """Bytes at the end of a STEP file in which its end marker must be."""
+
+
+WORDS = ("name)", "description)")
+"""How OCCT names parameters that hold nothing but words for people."""
 
 
 def load_step(path: Path, factor: float = 1.0) -> SolidPart:
@@ -45,11 +51,27 @@ def load_step(path: Path, factor: float = 1.0) -> SolidPart:
     if not done or not reader.TransferRoots():
         raise FormatError("OCCT cannot read this STEP file; export it again", path=str(path))
     part = solid_part(reader.OneShape(), path.stem, str(path), factor)
-    model = reader.Model()
-    numbers = range(1, model.NbEntities() + 1)
-    unread = sum(model.IsUnknownEntity(k) or model.IsRedefinedContent(k) for k in numbers)
+    unread = sum(map(_matters, _unread(reader.Model())))
     lost = (f"{counted(unread, 'entity')} of the file could not be read",) if unread else ()
     return replace(part, findings=(*lost, *part.findings))
+
+
+def _unread(model: Any) -> Iterator[Any]:
+    """What OCCT reports of each entity of a STEP model that it cannot read, or not all of."""
+    for k in range(1, model.NbEntities() + 1):
+        if model.IsUnknownEntity(k) or model.IsRedefinedContent(k):
+            yield model.ReportEntity(k)
+
+
+def _matters(report: Any) -> bool:
+    """Whether what could not be read may belong to the shape: it is no colour, and not just a name.
+
+    Several CAD programs write colours and names that OCCT's reader takes exception to.
+    """
+    check = report.Check()
+    fails = [check.CFail(k) for k in range(1, check.NbFails() + 1)]
+    only_words = bool(fails) and all(any(word in fail for word in WORDS) for fail in fails)
+    return not (type(report.Concerned()).__name__.startswith("StepVisual_") or only_words)
 
 
 def load_brep(path: Path, factor: float = 1.0) -> SolidPart:

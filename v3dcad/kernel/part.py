@@ -42,6 +42,7 @@ from v3dcad.kernel.shapes import (
     subshapes,
     volume,
 )
+from v3dcad.kernel.slivers import without_slivers
 from v3dcad.kernel.union import one_body, overlaps, solids_meet
 from v3dcad.model import Brep, Floats, Layer, Mesh, Placement, Section, part_words
 from v3dcad.words import counted, point_words
@@ -156,12 +157,12 @@ def solid_part(shape: TopoDS_Shape, name: str, where: str, factor: float = 1.0) 
     else:
         solids = sewn(shape, where, findings)
     solid = _healed(compound(solids), findings)
-    findings += _gap_findings(solid)
-    overlap = _overlap(solid, findings)
     try:
-        box = true_bounds(solid)
+        solid, box = _bounded(solid, where, findings)
     except KernelError as error:
         raise KernelError(f"{where}: {error.message}") from error
+    findings += _gap_findings(solid)
+    overlap = _overlap(solid, findings)
     return SolidPart(name, solid, box, tuple(findings), overlap=overlap)
 
 
@@ -179,6 +180,17 @@ def _healed(solid: TopoDS_Shape, findings: list[str]) -> TopoDS_Shape:
     else:
         findings.append("OCCT finds faults in the shape that it cannot heal: look at the sections")
     return mended
+
+
+def _bounded(solid: TopoDS_Shape, where: str, findings: list[str]) -> tuple[TopoDS_Shape, Floats]:
+    """The solids and their bounds; without slivers, where these keep them from being meshed."""
+    try:
+        return solid, true_bounds(solid)
+    except KernelError:
+        mended = without_slivers(solid, where, findings)
+        if mended is solid:
+            raise
+        return mended, true_bounds(mended)
 
 
 def _overlap(solid: TopoDS_Shape, findings: list[str]) -> float:

@@ -13,14 +13,16 @@ from v3dcad.kernel.shapes import FACE, SHELL, compound, subshapes, volume
 from v3dcad.words import counted
 
 SEWING = 1e-4
-"""mm: edges of loose faces that are nearer than this are sewn."""
+"""mm: edges of loose faces that are nearer than this are sewn, unless told otherwise."""
 
 WHOLE = 1 - 1e-6
 """Share of a body's volume that another one has to hold to contain it."""
 
 
-def sewn(shape: TopoDS_Shape, where: str, findings: list[str]) -> list[TopoDS_Shape]:
-    """The solids that the faces of a shape without solids enclose.
+def sewn(
+    shape: TopoDS_Shape, where: str, findings: list[str], gap: float = SEWING
+) -> list[TopoDS_Shape]:
+    """The solids that the faces of a shape without solids enclose, sewn where within `gap`, mm.
 
     A shell that lies inside another one bounds a cavity of it, a shell inside a cavity is a body
     again, and so on. Shells beside each other, or that cross, are bodies of their own. Findings say
@@ -29,7 +31,7 @@ def sewn(shape: TopoDS_Shape, where: str, findings: list[str]) -> list[TopoDS_Sh
     faces = sum(1 for _ in subshapes(shape, FACE))
     if not faces:
         raise KernelError(f"{where}: contains no solid and no face; export a solid")
-    sewing = BRepBuilderAPI_Sewing(SEWING)
+    sewing = BRepBuilderAPI_Sewing(gap)
     sewing.Add(shape)
     sewing.Perform()
     whole = compound([sewing.SewedShape()])
@@ -38,7 +40,7 @@ def sewn(shape: TopoDS_Shape, where: str, findings: list[str]) -> list[TopoDS_Sh
     if not closed:
         raise KernelError(
             f"{where}: contains no solid, only {counted(faces, 'face')} without an inside, with "
-            f"{counted(sewing.NbFreeEdges(), 'open edge')} even when sewn within {SEWING:g} mm; "
+            f"{counted(sewing.NbFreeEdges(), 'open edge')} even when sewn within {gap:.1g} mm; "
             "close the surface where it was made, and export a solid"
         )
     unsaid: list[str] = []

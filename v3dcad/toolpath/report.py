@@ -19,6 +19,9 @@ from v3dcad.words import counted
 MOST_NAMED = 5
 """Cells named in a finding; there may be thousands."""
 
+LEAST_TOLD = 0.01
+"""mm² that stay empty in all: the finding shows two decimals, and less is what rounding leaves."""
+
 
 @dataclass(frozen=True, slots=True)
 class LayerReport:
@@ -144,7 +147,7 @@ def findings(reports: Iterable[LayerReport]) -> list[str]:
             f"the bead is wider than twice the gap of {named}{more}: they print solid "
             "there; use a narrower bead or larger cells"
         )
-    if unreached:
+    if unreached >= LEAST_TOLD:
         found.append(
             f"{unreached:.2f} mm² on {counted(unreached_on, 'layer')} stay empty, too narrow for a "
             "bead; use a narrower bead, or --contour centre"

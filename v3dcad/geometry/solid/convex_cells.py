@@ -137,7 +137,7 @@ def hollows(walls: Facets, thickness: float, low: Floats, high: Floats) -> list[
         raise SettingError(
             "thickness", f"thickness {thickness:g} mm closes all cells; give a smaller one"
         )
-    _warn_of_closed(len(np.unique(walls.sites)) - len(cells), f"thickness {thickness:g} mm")
+    _warn_of_closed(len(np.unique(walls.sites)) - len(cells), f"thickness of {thickness:g} mm")
     return list(cells.values())
 
 
@@ -153,12 +153,13 @@ def check_diameter(walls: Facets, diameter: float, low: Floats, high: Floats) ->
         inside = (low < middle).all() and (middle < high).all()
         if not inside or (planes[:, :3] @ middle >= planes[:, 3]).any():
             closed += _cell(planes, whole) is None
-    _warn_of_closed(closed, f"diameter {diameter:g} mm")
+    _warn_of_closed(closed, f"diameter of {diameter:g} mm")
 
 
 def _warn_of_closed(closed: int, size: str) -> None:
     if closed:
-        warnings.warn(f"{size} is more than {closed} cells are wide: they close up", stacklevel=5)
+        narrow = "1 cell is" if closed == 1 else f"{closed} cells are"
+        warnings.warn(f"{narrow} narrower than a {size}, and filled solid", stacklevel=5)
 
 
 def inset_cells(walls: Facets, inset: float, low: Floats, high: Floats) -> dict[int, Polyhedron]:
