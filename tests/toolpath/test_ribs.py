@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -139,7 +140,7 @@ def test_layers_wait_for_what_is_above_them() -> None:
 def test_a_cell_that_opens_late_under_a_skin_is_left_out() -> None:
     """So no wall is printed that ribs could not hold; where no skin is near, it opens as ever."""
     few, many = block(100, without=1), block(100)
-    opened = 100 - round((LATE - 1.5) / 0.2)
+    opened = 100 - round((LATE * 2 * HALF / math.sqrt(6) - 1.5) / 0.2)
     same, more, late = (
         traced(layers)[0]
         for layers in (few, [*few[:20], *many[20:]], [*few[:opened], *many[opened:]])

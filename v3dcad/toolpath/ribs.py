@@ -25,8 +25,8 @@ EARLY = 1.0
 """mm below a skin where ribs have met."""
 PAST = 1.0
 """mm that ribs hold beside what is to be held: skins reach a little further."""
-LATE = 5.0
-"""mm below a skin in which no new cells open: ribs would not keep up with their walls."""
+LATE = 1 / 3
+"""Widths of a cell below a skin in which none opens: ribs would not keep up with its walls."""
 NARROW = 0.4
 """Shares of the pitch: cells that are no wider need no ribs; some widen before the skin."""
 
@@ -107,7 +107,7 @@ class Ribs:
             new = np.setdiff1d(sites, self._sites)
             places, late = layer.state.sites[new, :2], np.zeros(len(new), np.bool_)
             for level, bands in self._above:
-                if len(new) and level - self._level < LATE:
+                if len(new) and level - self._level < LATE * math.sqrt(layer.area_per_cell):
                     late |= bands.hold(places)
             self._late = np.concatenate([self._late, new[late]])
         self._sites = sites
