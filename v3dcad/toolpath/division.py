@@ -21,8 +21,10 @@ ANCHOR = 3.0
 """Bead spacings by which a bridge goes on over what holds it."""
 LEAST_BRIDGE = 2.0
 """Bead spacings: a narrower strip over air is held from both sides."""
+LEAST_HELD = 1.1
+"""Bead spacings: what lies that far over foam is held by ribs. The rest leans on its neighbours;"""
 LEAST_SPAN = 3.0
-"""Bead spacings: what of a bridge over foam is narrower needs no ribs; a skin's edge is."""
+"""skins that lie so far over foam go on to the next line of ribs."""
 
 
 class Division(NamedTuple):
@@ -46,7 +48,7 @@ class Division(NamedTuple):
     over: shapely.Geometry
     """skins over cells or air"""
     bands: Bands
-    """where they span cells: ribs are to hold them along the bands' sides"""
+    """where perimeters and skins lie over foam: ribs are to hold them along the bands' sides"""
 
     def solid(self) -> shapely.Geometry:
         """Perimeters and skins."""
@@ -82,14 +84,14 @@ def divided(sections: Iterable[tuple[int, Section]], settings: PrintSettings) ->
         foam, skin = parted(inner, skin, spacing)
         rest, over, held = skin, NOTHING, NO_BANDS
         if last and not skin.is_empty:
-            solid = last.solid()
-            rest, over = resting(skin, solid, spacing)
-            if pitch and not over.is_empty:
-                spans = opened(shared(over, last.foam), LEAST_SPAN * spacing / 2)
-                held = bands(spans, pitch)
-                if len(held.band):
-                    foam, skin = widened(inner, foam, held.area(), spacing)
-                    rest, over = resting(skin, solid, spacing)
+            rest, over = resting(skin, last.solid(), spacing)
+        if last and pitch and foam is not last.foam:
+            spans = opened(shared(over, last.foam), LEAST_SPAN * spacing / 2)
+            if not spans.is_empty:
+                foam, skin = widened(inner, foam, bands(spans, pitch).area(), spacing)
+                rest, over = resting(skin, last.solid(), spacing)
+            bare = shared(shapely.difference(area, foam), last.foam)
+            held = bands(opened(bare, LEAST_HELD * spacing / 2), pitch)
         level = section.z + above
         last = Division(area, True, not last, level, height, spacing, foam, rest, over, held)
         yield last
