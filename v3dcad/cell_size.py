@@ -96,12 +96,13 @@ def with_cell_size(
         return _sized(settings, size), _expected(rooms, plastic(size), printing)
     low, high = (plastic(_rounded(end, least, largest)) for end in (largest, least))
     fixed = low.perimeters + low.skins
-    of = " g" if name == "mass" else ""
+    of, lightest = " g" if name == "mass" else "", low.total() * unit
+    fewer = "; fewer --perimeters or --top-layers, or --open, take less" if asked < lightest else ""
     raise SettingError(
         name,
         f"{option(name)} {asked:g}{of}: cannot be reached; cells of {largest:.4g} mm give "
-        f"{low.total() * unit:.3g}{of}, those of {least:.3g} mm {high.total() * unit:.3g}{of}; "
-        f"perimeters and skins alone are {fixed * unit:.3g}{of}",
+        f"{lightest:.3g}{of}, those of {least:.3g} mm {high.total() * unit:.3g}{of}; "
+        f"perimeters and skins alone are {fixed * unit:.3g}{of}{fewer}",
     )
 
 

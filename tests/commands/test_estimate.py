@@ -48,7 +48,7 @@ def test_what_has_no_room_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
         tell(many, None)
     monkeypatch.setattr(estimate, "_memory", lambda: None)
     monkeypatch.setattr(estimate, "_room", lambda file: 1_000_000)
-    with pytest.raises(SettingError, match="but 1 MB are free; take larger cells"):
+    with pytest.raises(SettingError, match="but 1 MB are free; make room there, take"):
         tell(many, tmp_path / "a.gcode")
 
 

@@ -99,7 +99,9 @@ def tell(estimate: Estimate, gcode: Path | None) -> None:
     if gcode is not None:
         free = _room(gcode)
         if free is not None and estimate.gcode > free:
-            raise SettingError("gcode", f"{gcode}: {words}, but {_size(free)} are free; {remedy}")
+            raise SettingError(
+                "gcode", f"{gcode}: {words}, but {_size(free)} are free; make room there, {remedy}"
+            )
     if estimate.seconds > WORTH_TELLING:
         print(f"v3dcad: {words}", file=sys.stderr, flush=True)
 
