@@ -22,9 +22,7 @@ ANCHOR = 3.0
 LEAST_BRIDGE = 2.0
 """Bead spacings: a narrower strip over air is held from both sides."""
 LEAST_HELD = 1.1
-"""Bead spacings: what lies that far over foam is held by ribs. The rest leans on its neighbours;"""
-LEAST_SPAN = 3.0
-"""skins that lie so far over foam go on to the next line of ribs."""
+"""Bead spacings: what lies that far over foam is held by ribs. The rest leans on its neighbours."""
 
 
 class Division(NamedTuple):
@@ -82,16 +80,16 @@ def divided(sections: Iterable[tuple[int, Section]], settings: PrintSettings) ->
         spacing = bead_spacing(settings, height)
         inner = inset(area, perimeter_depths(settings, spacing)[-1] + spacing / 2)
         foam, skin = parted(inner, skin, spacing)
-        rest, over, held = skin, NOTHING, NO_BANDS
-        if last and not skin.is_empty:
-            rest, over = resting(skin, last.solid(), spacing)
+        held = NO_BANDS
         if last and pitch and foam is not last.foam:
-            spans = opened(shared(over, last.foam), LEAST_SPAN * spacing / 2)
+            spans = opened(shared(skin, last.foam), LEAST_HELD * spacing / 2)
             if not spans.is_empty:
                 foam, skin = widened(inner, foam, bands(spans, pitch).area(), spacing)
-                rest, over = resting(skin, last.solid(), spacing)
             bare = shared(shapely.difference(area, foam), last.foam)
             held = bands(opened(bare, LEAST_HELD * spacing / 2), pitch)
+        rest, over = skin, NOTHING
+        if last and not skin.is_empty:
+            rest, over = resting(skin, last.solid(), spacing)
         level = section.z + above
         last = Division(area, True, not last, level, height, spacing, foam, rest, over, held)
         yield last
