@@ -193,7 +193,7 @@ def test_sites_that_are_given(worker: Worker, cone: Path, tmp_path: Path) -> Non
     [("wires", {}), ("faces", {}), ("cells", {}), ("solid", {"thickness": 0.2, "skin": 0.5}),
      ("struts", {"diameter": 1.5})],
 )  # fmt: skip
-@pytest.mark.filterwarnings("ignore:thickness 0.2 mm is more than")
+@pytest.mark.filterwarnings("ignore:2 cells are narrower than a thickness of 0.2 mm")
 def test_forms_are_those_of_python(
     worker: Worker, cone: Path, form: str, sizes: dict[str, float]
 ) -> None:
@@ -333,4 +333,4 @@ def test_a_small_part_of_freecad_is_in_no_other_unit(tmp_path: Path) -> None:
 def test_words_of_libraries_are_notes(worker: Worker, cone: Path) -> None:
     settings = {"cell_size": 15.0, "layer_height": 5.0}
     made = worker.get("brep", source=str(cone), settings=settings, form="struts", diameter=20.0)
-    assert re.search("diameter 20 mm", " ".join(made["notes"]))
+    assert re.search("a diameter of 20 mm", " ".join(made["notes"]))

@@ -19,7 +19,7 @@ from v3dcad.formats.mesh.threemf_reader import read_threemf
 from v3dcad.pipeline import Structure
 from v3dcad.settings import PrintSettings
 
-pytestmark = pytest.mark.filterwarnings("ignore:thickness .* they close up")
+pytestmark = pytest.mark.filterwarnings("ignore:.* cells are narrower than a thickness")
 
 SIZE = (24.0, 20.0, 6.0)
 WALLS = 0.8

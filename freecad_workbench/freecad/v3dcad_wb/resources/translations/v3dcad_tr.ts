@@ -1032,6 +1032,10 @@ v3dcad'in kaynağı: {source}. Kur'a basmadan hiçbir şey indirilmez.</translat
       <translation>Üst katmanlar</translation>
     </message>
     <message>
+      <source>Skin span</source>
+      <translation>Dolu katman açıklığı</translation>
+    </message>
+    <message>
       <source>Open</source>
       <translation>Açık</translation>
     </message>
