@@ -434,6 +434,21 @@ def test_signals_leave_nothing_behind(
     assert not list(tmp_path.rglob(".*.*")), "a half-written file was left behind"
 
 
+def signalled(script: str, number: str) -> tuple[int, str, str]:
+    """How a script ends that a signal comes to once it has begun, and what it says after that."""
+    import signal
+
+    child = subprocess.Popen(
+        [sys.executable, "-c", script.format(number=number, usual=USUAL[number]), "make"],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
+    )  # fmt: skip
+    assert child.stdout is not None
+    assert child.stdout.readline() == "begun\n"
+    child.send_signal(getattr(signal, number))
+    told, said = child.communicate(timeout=100)
+    return child.returncode, told, said
+
+
 HALF_MADE = """
 import signal, time
 from v3dcad import cli
@@ -457,17 +472,7 @@ cli.main()
 
 @pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_what_a_signal_leaves_half_made_goes_untold(number: str, code: int) -> None:
-    import signal
-
-    child = subprocess.Popen(
-        [sys.executable, "-c", HALF_MADE.format(number=number, usual=USUAL[number]), "make"],
-        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
-    )  # fmt: skip
-    assert child.stdout is not None
-    assert child.stdout.readline() == "begun\n"
-    child.send_signal(getattr(signal, number))
-    _, said = child.communicate(timeout=100)
-    assert (child.returncode, said) == (code, "")
+    assert signalled(HALF_MADE, number) == (code, "", "")
 
 
 SWALLOWED = """
@@ -492,17 +497,7 @@ cli.main()
 
 @pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_a_signal_that_a_destructor_swallows_ends_the_command(number: str, code: int) -> None:
-    import signal
-
-    child = subprocess.Popen(
-        [sys.executable, "-c", SWALLOWED.format(number=number, usual=USUAL[number]), "make"],
-        stderr=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
-    )  # fmt: skip
-    assert child.stdout is not None
-    assert child.stdout.readline() == "begun\n"
-    child.send_signal(getattr(signal, number))
-    told, said = child.communicate(timeout=100)
-    assert (child.returncode, told, said) == (code, "", "")
+    assert signalled(SWALLOWED, number) == (code, "", "")
 
 
 def test_other_forms_and_ont_commands(samples: Path, tmp_path: Path) -> None:

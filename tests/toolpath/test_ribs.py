@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -130,16 +129,10 @@ def test_without_ribs_layers_are_what_they_were(options: dict[str, Any]) -> None
 
 
 def test_layers_wait_for_what_is_above_them() -> None:
-    taken = 0
-
-    def layers() -> Iterator[Layer]:
-        nonlocal taken
-        for made in block(200):
-            taken += 1
-            yield made
-
-    next(trace(layers(), PrintSettings()))
+    layers = iter(block(200))
+    next(trace(layers, PrintSettings()))
     wide = reach((2 * HALF) ** 2 / 6)
+    taken = 200 - len(list(layers))
     assert taken == pytest.approx(wide / 0.2 + 5, abs=2)
 
 

@@ -8,7 +8,10 @@ stroke      what is extruded without a stop
 cell_loops, joined_route  two beads a wall: every cell a loop, and one closed stroke a region
 first_layer what lies on the bed: brim, and whether a part stands safely
 skins       where a layer is solid
-bridging    skins over air and over cells
+division    what of a section is foam, skins, bridges, and what is over foam
+bands       what that takes of the bands between lines of ribs
+ribs        walls that grow into cells, to hold up what is over foam
+bridging    which way skins over air and over cells are laid
 solid       areas covered with parallel beads
 seam        where outermost perimeters begin
 plan        which strokes a layer has, in which order

@@ -89,7 +89,7 @@ def divided(sections: Iterable[tuple[int, Section]], settings: PrintSettings) ->
             held = bands(opened(bare, LEAST_HELD * spacing / 2), pitch)
         rest, over = skin, NOTHING
         if last and not skin.is_empty:
-            rest, over = resting(skin, last.solid(), spacing)
+            rest, over = _resting(skin, last.solid(), spacing)
         level = section.z + above
         last = Division(area, True, not last, level, height, spacing, foam, rest, over, held)
         yield last
@@ -100,7 +100,7 @@ def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
 
 
-def resting(
+def _resting(
     skin: shapely.Geometry, solid: shapely.Geometry, spacing: float
 ) -> tuple[shapely.Geometry, shapely.Geometry]:
     """What of a skin rests on what is `solid` below, and what is a bridge, ends and all."""

@@ -104,7 +104,7 @@ class Plan:
         rest, over, spacing = self.division.rest, self.division.over, self.division.spacing
         angle = 45.0 if self.layer.index % 2 else -45.0
         parts = [(rest, angle, SOLID)]
-        if self.below is None:
+        if self.below is None:  # what a layer takes is asked for, not which way it is laid
             parts.append((over, angle, SOLID))
         else:
             parts += [(a, turned, BRIDGE) for a, turned in bridges(over, self.below, spacing)]
@@ -125,12 +125,7 @@ class Plan:
         """Outer perimeters unbroken; what lies further in is joined to one curve a region."""
         shortest = self.settings.minimum_edge
         curves = joined_curves(
-            self.layer,
-            self.division,
-            depths[1:],
-            self.linked,
-            shortest,
-            self.ribs,
+            self.layer, self.division, depths[1:], self.linked, shortest, self.ribs
         )
         outer = from_seams(self._perimeter(depths[0]), self.seams)
         for stroke in in_order(outer, curves, self.division.spacing, self.here, shortest):

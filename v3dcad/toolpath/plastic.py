@@ -78,15 +78,15 @@ class Rooms:
         self._printed: list[_Printed] = []
         rooms = [np.zeros((0, len(KINDS)))]
         for index, division in enumerate(divided(enumerate(sections), settings)):
-            area, printed, first, _, height, _, foam, rest, over, _ = division
-            self.volume += float(area.area) * layer_height
-            if not printed:
+            area, cells = float(division.area.area), division.foam.area
+            self.volume += area * layer_height
+            if not division.printed:
                 continue
-            flow = settings.first_layer_flow if first else settings.flow
-            whole = rest.area + over.area
-            skins = rest.area + over.area * settings.bridge_flow / flow
-            walls = area.area - whole - foam.area
-            rooms.append(np.array([[walls, skins, foam.area]]) * height * flow / 100)
+            flow = settings.first_layer_flow if division.first else settings.flow
+            rest, over = division.rest.area, division.over.area
+            whole, skins = rest + over, rest + over * settings.bridge_flow / flow
+            walls = area - whole - cells
+            rooms.append(np.array([[walls, skins, cells]]) * division.height * flow / 100)
             self._printed.append(_Printed(index, division, skins / whole if whole else 1.0))
         self._rooms = np.concatenate(rooms)
         self._some = [_spread(room) for room in self._rooms.T]
@@ -110,21 +110,21 @@ class Rooms:
 
     def _ribs(self, layers: Sequence[Layer], reach: float) -> float:
         """What ribs take, mm³, grown on some of the layers at most `reach` (mm) under skins."""
-        settings, ribs = self.settings, Ribs(self.settings)
-        volume, last, begun = 0.0, 0.0, False
+        ribs, volume = Ribs(self.settings), 0.0
+        last: float | None = None  # mm, the level of the last one of them under a skin
         for printed in self._printed:
             ribs.note(printed.division)
         for number, division, _ in self._printed:
-            low = division.level - division.height
-            if not ribs.under(division.level, reach):
-                begun = False
-            elif not begun or division.level - last >= COARSE:
-                last, begun = last if begun else low, True
+            level = division.level
+            if not ribs.under(level, reach):
+                last = None
+            elif last is None or level - last >= COARSE:
                 ribs.loops(layers[number], division)
                 length = float(np.hypot(*np.diff(ribs.walls, axis=1)[:, 0].T).sum())
-                volume += 2 * length * division.spacing * (division.level - last)
-                last = division.level
-        return volume * settings.flow / 100
+                rise = division.height if last is None else level - last
+                volume += 2 * length * division.spacing * rise
+                last = level
+        return volume * self.settings.flow / 100
 
     def _laid(self, layer: Layer, number: int) -> list[float]:
         """What one of the printed layers takes, mm³ for each kind of room."""

@@ -70,7 +70,7 @@ def layer_report(
 
     Some of its beads are `hanging`; so many mm of walls are `bridged`.
     """
-    area, _, first, level, *_ = plan.division
+    division, level = plan.division, plan.division.level
     flat = np.vstack([before, toolpath.points])[:, :2]
     length = arcs.lengths(flat[:-1], flat[1:], toolpath.centre)
     extruding = toolpath.kind == EXTRUDE
@@ -83,10 +83,10 @@ def layer_report(
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
-        narrow_area=plan.narrow_area if level else float(area.area),
+        narrow_area=plan.narrow_area if level else float(division.area.area),
         level=level,
-        area=float(area.area),
-        stand_width=stand_width(area) if first and level else 0.0,
+        area=float(division.area.area),
+        stand_width=stand_width(division.area) if division.first and level else 0.0,
         seconds=seconds,
         hurried=bool(extruding.any()) and seconds < plan.settings.minimum_layer_time,
         hanging=hanging,

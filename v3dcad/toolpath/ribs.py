@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 import numpy as np
 
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.geometry.loops.ribs import Gaps, Lines, Needs, with_ribs
-from v3dcad.model import Floats, Ints, Layer
+from v3dcad.model import Ints, Layer
 from v3dcad.settings import PrintSettings
-from v3dcad.toolpath.bands import Bands
 from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.division import Division
 
@@ -39,19 +37,12 @@ def reach(area_per_cell: float) -> float:
     return EARLY + math.sqrt(area_per_cell)
 
 
-class _Above(NamedTuple):
-    """What is to be held up, and how high, mm."""
-
-    level: float
-    bands: Bands
-
-
 class Ribs:
     """What makes the loops of cells with ribs, layer by layer, from the lowest one on."""
 
     def __init__(self, settings: PrintSettings) -> None:
         self._pitch = settings.rib_pitch()
-        self._above: deque[_Above] = deque()
+        self._above: deque[Division] = deque()
         self._level = 0.0
         self._gaps: Gaps | None = None
         self._sites: Ints | None = None
@@ -77,7 +68,7 @@ class Ribs:
     def note(self, division: Division) -> None:
         """Take note of what is to be held up on the next layer above."""
         if len(division.bands.band):
-            self._above.append(_Above(division.level, division.bands))
+            self._above.append(division)
 
     def under(self, level: float, reach: float) -> bool:
         """Whether there is something to hold up at most `reach` over a level, mm."""
@@ -106,20 +97,19 @@ class Ribs:
         if self._sites is not None:
             new = np.setdiff1d(sites, self._sites)
             places, late = layer.state.sites[new, :2], np.zeros(len(new), np.bool_)
-            for level, bands in self._above:
-                if len(new) and level - self._level < LATE * math.sqrt(layer.area_per_cell):
-                    late |= bands.hold(places)
+            for over in self._above:
+                if len(new) and over.level - self._level < LATE * math.sqrt(layer.area_per_cell):
+                    late |= over.bands.hold(places)
             self._late = np.concatenate([self._late, new[late]])
         self._sites = sites
         return self._late
 
     def _needs(self) -> Needs:
         """What is to be held up on the lines at both sides of bands."""
-        line = [bands.band + side for _, bands in self._above for side in (0, 1)]
-        ends = [bands.ends for _, bands in self._above for _ in range(2)]
-        above = [np.full(len(bands.band), level) for level, bands in self._above for _ in range(2)]
-        lines = np.concatenate(line)
-        order = np.argsort(lines, kind="stable")
-        wide = np.concatenate(ends)[order] + np.array([-PAST, PAST])
-        short: Floats = np.concatenate(above)[order] - self._level - EARLY
-        return Needs(lines[order], wide, np.maximum(short, 0.0))
+        sides = [(over.level, over.bands, side) for over in self._above for side in (0, 1)]
+        line = np.concatenate([bands.band + side for _, bands, side in sides])
+        ends = np.concatenate([bands.ends for _, bands, _ in sides])
+        level = np.concatenate([np.full(len(bands.band), level) for level, bands, _ in sides])
+        order = np.argsort(line, kind="stable")
+        wide = ends[order] + np.array([-PAST, PAST])
+        return Needs(line[order], wide, np.maximum(level[order] - self._level - EARLY, 0.0))

@@ -124,13 +124,12 @@ class _Laying:
     def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
         (plan, strokes, _), room, hang = measured
-        _, _, first, level, height, *_ = division = plan.division
+        division, level = plan.division, plan.division.level
         settings, nozzle = self._settings, self._nozzle
         strokes = capped(strokes, room)
         if level:
-            nozzle.rise(
-                level, height, Traveller(division.area, settings.bead_width / 4), first=first
-            )
+            traveller = Traveller(division.area, settings.bead_width / 4)
+            nozzle.rise(level, division.height, traveller, first=division.first)
         before = nozzle.position
         bridged = 0.0
         if hang is not None:
@@ -143,8 +142,8 @@ class _Laying:
         told: tuple[Hanging, ...] = ()
         below = plan.below
         if below is not None and (self._told or not isinstance(settings.fail_over, str)):
-            width = settings.bead_width
-            told = hanging(toolpath, before, below.beads, below.division.area, width, height, hang)
+            width, under = settings.bead_width, below.division.area
+            told = hanging(toolpath, before, below.beads, under, width, division.height, hang)
             refuse_spans(told, plan.layer.index, level, settings.fail_over)
         rest = before if nozzle.started else toolpath.points[:1]
         nozzle.started |= len(toolpath.points) > 0

@@ -134,13 +134,14 @@ def with_ribs(
     pair, free = pair[:size], free[:size]
     line = passes.line[pair[:, 0]]
     gaps = np.stack([passes.extent[pair[:, 0], 1], passes.extent[pair[:, 1], 0]], axis=1)
-    under = below or Gaps(line, gaps)
+    y = line * lines.pitch
+    under = Gaps(line, gaps) if below is None else below
     tips = gaps.copy()
     _grow(
         loops.points,
         loops.first,
         passes.loop[pair[:, 0]],
-        np.asarray(line * lines.pitch, np.float64),
+        np.asarray(y, np.float64),
         free,
         _of_lines(needs.line, line),
         needs.ends,
@@ -153,12 +154,12 @@ def with_ribs(
         gaps,
         tips,
     )
-    grown = np.abs(tips - gaps) > 0
+    grown = tips != gaps
     own = pair[grown]
     root, tip = gaps[grown], tips[grown]
-    y = np.repeat(line * lines.pitch, 2).reshape(-1, 2)[grown]
+    along = np.broadcast_to(y[:, None], tips.shape)[grown]
     end = tip + np.copysign(lines.half, tip - root)
-    ribs = np.stack([np.stack([root, y], axis=1), np.stack([end, y], axis=1)], axis=1)
+    ribs = np.stack([np.stack([root, along], axis=1), np.stack([end, along], axis=1)], axis=1)
     order = np.lexsort((passes.edge[own, 0] + passes.share[own, 0], passes.loop[own]))
     around = _around(loops, lines, passes.taken(own[order]), tip[order])
     return Ribbed(around, Gaps(line, tips), ribs)
