@@ -58,28 +58,59 @@ def volumes(file: Path) -> dict[int, float]:
 
 def test_both_models_hold_part_and_foam(structure: Structure, tmp_path: Path) -> None:
     """As PrusaSlicer has them, in one mesh, and as OrcaSlicer has them, each in one of its own."""
-    file, other = tmp_path / "box.3mf", tmp_path / "ranges.3mf"
+    file, other = tmp_path / "box.3mf", tmp_path / "parts.3mf"
     structure.write_3mf(file, "project", thickness=WALLS)
-    with zipfile.ZipFile(file) as both, zipfile.ZipFile(other, "w") as ranges:
-        for name in both.namelist():
-            ranges.writestr(name, both.read(name).replace(b"/OrcaSlicer/3d", b"/3D/3d"))
-    part, foam = volumes(file).values()
+    with zipfile.ZipFile(file) as both, zipfile.ZipFile(other, "w") as parts:
+        for name in ("[Content_Types].xml", "_rels/.rels"):
+            parts.writestr(name, both.read(name))
+        parts.writestr("3D/3dmodel.model", both.read("OrcaSlicer/3dmodel.xml"))
+    part, foam = volumes(other).values()
     assert part == pytest.approx(24 * 20 * 6)
     assert 0 < foam < part
-    assert sum(volumes(other).values()) == pytest.approx(part + foam)
+    assert sum(volumes(file).values()) == pytest.approx(part + foam)
+
+
+def relations(package: zipfile.ZipFile) -> list[tuple[str, str]]:
+    """Types and targets of the package's relations, in their order."""
+    rows = ElementTree.fromstring(package.read("_rels/.rels"))
+    return [(row.attrib["Type"], row.attrib["Target"]) for row in rows]
+
+
+def test_prusaslicer_of_any_version_comes_across_one_model(
+    structure: Structure, tmp_path: Path
+) -> None:
+    """Up to 2.7.1 it reads each `.model` in the folder 3D, from 2.7.2 on each `.model` there is;
+    from 2.8 on it takes for the root what a relation of the standard's own type names.
+    """
+    file = tmp_path / "box.3mf"
+    structure.write_3mf(file, "project", thickness=WALLS)
+    with zipfile.ZipFile(file) as package:
+        names, named = package.namelist(), relations(package)
+    assert [name for name in names if name.lower().endswith(".model")] == ["3D/3dmodel.model"]
+    standard = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    assert [target for kind, target in named if kind == standard] == ["/3D/3dmodel.model"]
 
 
 def test_orcaslicer_is_told_of_the_parts_that_its_model_has(
     structure: Structure, tmp_path: Path
 ) -> None:
-    """By its source it finds them by number, keeps what it is told of a file that PrusaSlicer did
-    not write, and asks the model in the folder 3D who did.
+    """By its source (bbs_3mf.cpp) it takes the first relation whose type begins and ends as
+    these, finds parts by number, and keeps what it is told of a file that PrusaSlicer did not
+    write; it asks the model in the folder 3D who did.
     """
     file = tmp_path / "box.3mf"
     structure.write_3mf(file, "project", thickness=WALLS)
+    begins, ends = "http://schemas.microsoft.com/3dmanufacturing/", "3dmodel"
     with zipfile.ZipFile(file) as package:
+        read = [
+            target
+            for kind, target in relations(package)
+            if kind.startswith(begins) and kind.endswith(ends)
+        ]
+        folder, _, root = read[0].removeprefix("/").rpartition("/")
+        assert f"{folder}/_rels/{root}.rels" not in package.namelist()
+        model = ElementTree.fromstring(package.read(f"{folder}/{root}"))
         told = ElementTree.fromstring(package.read("Metadata/model_settings.config"))
-        model = ElementTree.fromstring(package.read("OrcaSlicer/3dmodel.model"))
         assert b"PrusaSlicer" not in package.read("3D/3dmodel.model")
     core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
     (whole,) = told
@@ -89,9 +120,29 @@ def test_orcaslicer_is_told_of_the_parts_that_its_model_has(
     assert item.attrib["objectid"] == whole.attrib["id"]
     assert list(parts) == components
     assert [part.attrib["subtype"] for part in parts.values()] == ["normal_part", "modifier_part"]
-    filled = {row.attrib["key"]: row.attrib["value"] for row in parts[components[1]]}
-    assert filled["sparse_infill_density"] == "100%"
-    assert filled["sparse_infill_pattern"] == "concentric"
+    printing = PrintSettings()
+    below, above = printing.solid_layers()
+    assert settings(whole) == {
+        "name": structure.part.name,
+        "layer_height": f"{structure.settings.layer_height:g}",
+        "wall_loops": str(printing.perimeters),
+        "bottom_shell_layers": str(below),
+        "top_shell_layers": str(above),
+        "sparse_infill_density": "0%",
+        "wall_generator": "arachne",
+    }
+    assert settings(parts[components[1]]) == {
+        "name": "foam",
+        "sparse_infill_density": "100%",
+        "sparse_infill_pattern": "concentric",
+        "internal_solid_infill_pattern": "concentric",
+        "minimum_sparse_infill_area": "0",
+    }
+
+
+def settings(told: ElementTree.Element) -> dict[str, str]:
+    """What an object or a part is told itself, by names that OrcaSlicer's PrintConfig.cpp has."""
+    return {row.attrib["key"]: row.attrib["value"] for row in told.findall("metadata")}
 
 
 def test_the_same_structure_gives_the_same_bytes(structure: Structure, tmp_path: Path) -> None:

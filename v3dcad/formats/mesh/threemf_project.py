@@ -6,9 +6,15 @@ Perimeters and skins are the slicer's.
 
 No one model does for all slicers: PrusaSlicer takes the volumes of an object as ranges of one
 mesh's triangles, OrcaSlicer as components, each a mesh of its own; what each is, and its settings,
-stand in a file beside the model, with names of the slicer's own. PrusaSlicer reads what lies in the
-folder 3D, OrcaSlicer what the package names as its model. So it has both. By its source OrcaSlicer
-takes a file whose application is PrusaSlicer for one of that's, and then drops all settings.
+stand in a file beside the model, with names of the slicer's own. So the package holds both, and by
+their sources each slicer comes across one of them:
+
+- PrusaSlicer before 2.7.2 reads what is called `.model` in the folder 3D, later ones all that is
+  called so: the second model must not be. What the package names as its model is the first one, so
+  that viewers, too, see what they see of PrusaSlicer's projects.
+- OrcaSlicer (and Bambu Studio, from which it has its reader) takes the first relation whose type
+  begins and ends as that of a model does; others know no such relation, and pass it over. Where
+  the application is PrusaSlicer, it would take the first model, and drop all settings.
 """
 
 from __future__ import annotations
@@ -16,6 +22,7 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from v3dcad.formats.mesh.threemf_reader import MODEL
@@ -30,12 +37,17 @@ PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 TYPES = f"""{XML}<Types xmlns="{PACKAGE}/content-types">
 <Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
 <Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
+<Default Extension="config" ContentType="application/xml"/>
+<Default Extension="xml" ContentType="application/xml"/>
 </Types>
 """
-RANGES, PARTS = "3D/3dmodel.model", "OrcaSlicer/3dmodel.model"
+RANGES, PARTS = "3D/3dmodel.model", "OrcaSlicer/3dmodel.xml"
 """The model whose volumes are ranges of triangles, and the one whose volumes are components."""
+PARTS_RELATION = "http://schemas.microsoft.com/3dmanufacturing/OrcaSlicer/3dmodel"
+"""A relation of no standard, which OrcaSlicer takes for that of a model."""
 RELATIONS = f"""{XML}<Relationships xmlns="{PACKAGE}/relationships">
-<Relationship Target="/{PARTS}" Id="model" Type="{MODEL}"/>
+<Relationship Target="/{PARTS}" Id="parts" Type="{PARTS_RELATION}"/>
+<Relationship Target="/{RANGES}" Id="model" Type="{MODEL}"/>
 </Relationships>
 """
 BEGINNING = (1980, 1, 1, 0, 0, 0)
@@ -57,80 +69,87 @@ def write_project(path: Path, part: Mesh, foam: Mesh, name: str, layer_height: f
     printing = PrintSettings()
     width, depth = printing.bed_size()
     centre, vertices = (width / 2, depth / 2), (_vertices(part), _vertices(foam))
+    shells = _shells(printing, layer_height)
     with zipfile.ZipFile(path, "w") as archive:
         for file, text in {
             "[Content_Types].xml": TYPES,
             "_rels/.rels": RELATIONS,
             RANGES: _ranges_model(part, foam, vertices, centre),
-            PRUSA: _ranges_settings(part, foam, name, printing, layer_height),
+            PRUSA: _ranges_settings(part, foam, name, shells),
             PARTS: _parts_model(part, foam, vertices, centre),
-            BAMBU: _parts_settings(name, printing, layer_height),
+            BAMBU: _parts_settings(name, shells),
         }.items():
             entry = zipfile.ZipInfo(file, BEGINNING)
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, text)
 
 
-def _ranges_settings(
-    part: Mesh, foam: Mesh, name: str, printing: PrintSettings, layer_height: float
-) -> str:
-    """What PrusaSlicer is told: shells as v3dcad prints them by default, nothing in between."""
+class Told(NamedTuple):
+    """A setting by its names in both slicers; `None` where one needs no such setting."""
+
+    prusa: str | None
+    orca: str
+    value: str
+
+
+def _shells(printing: PrintSettings, layer_height: float) -> list[Told]:
+    """What holds for the whole part: shells as v3dcad prints them by default, else nothing."""
     below, above = printing.solid_layers()
-    whole = {
-        "name": name,
-        "layer_height": f"{layer_height:g}",
-        "perimeters": str(printing.perimeters),
-        "bottom_solid_layers": str(below),
-        "top_solid_layers": str(above),
-        "fill_density": "0%",
-        "perimeter_generator": "arachne",
-    }
+    return [
+        Told("layer_height", "layer_height", f"{layer_height:g}"),
+        Told("perimeters", "wall_loops", str(printing.perimeters)),
+        Told("bottom_solid_layers", "bottom_shell_layers", str(below)),
+        Told("top_solid_layers", "top_shell_layers", str(above)),
+        Told("fill_density", "sparse_infill_density", "0%"),
+        Told("perimeter_generator", "wall_generator", "arachne"),
+    ]
+
+
+FILLED = [
+    Told("fill_density", "sparse_infill_density", "100%"),
+    Told("fill_pattern", "sparse_infill_pattern", "concentric"),
+    # OrcaSlicer takes an infill of 100 % for solid.
+    Told(None, "internal_solid_infill_pattern", "concentric"),
+    Told("solid_infill_below_area", "minimum_sparse_infill_area", "0"),
+]
+"""What holds in the foam."""
+
+
+def _prusa(settings: list[Told]) -> dict[str, str]:
+    return {told.prusa: told.value for told in settings if told.prusa}
+
+
+def _orca(settings: list[Told]) -> dict[str, str]:
+    return {told.orca: told.value for told in settings}
+
+
+def _ranges_settings(part: Mesh, foam: Mesh, name: str, shells: list[Told]) -> str:
+    """What PrusaSlicer is told."""
     outside = {"name": name, "volume_type": "ModelPart", "matrix": IDENTITY}
-    inside = {
-        "name": "foam",
-        "volume_type": "ParameterModifier",
-        "matrix": IDENTITY,
-        "fill_density": "100%",
-        "fill_pattern": "concentric",
-        "solid_infill_below_area": "0",
-    }
+    inside = {"name": "foam", "volume_type": "ParameterModifier", "matrix": IDENTITY}
     count, last = len(part.triangles), len(part.triangles) + len(foam.triangles) - 1
     return (
-        f'{XML}<config>\n<object id="1">\n{_told(whole, "object")}'
-        f'<volume firstid="0" lastid="{count - 1}">\n{_told(outside, "volume")}</volume>\n'
-        f'<volume firstid="{count}" lastid="{last}">\n{_told(inside, "volume")}</volume>\n'
+        f'{XML}<config>\n<object id="1">\n{_rows({"name": name} | _prusa(shells), "object")}'
+        f'<volume firstid="0" lastid="{count - 1}">\n{_rows(outside, "volume")}</volume>\n'
+        f'<volume firstid="{count}" lastid="{last}">\n'
+        f"{_rows(inside | _prusa(FILLED), 'volume')}</volume>\n"
         "</object>\n</config>\n"
     )
 
 
-def _parts_settings(name: str, printing: PrintSettings, layer_height: float) -> str:
-    """The same for OrcaSlicer, in its words."""
-    below, above = printing.solid_layers()
-    whole = {
-        "name": name,
-        "layer_height": f"{layer_height:g}",
-        "wall_loops": str(printing.perimeters),
-        "bottom_shell_layers": str(below),
-        "top_shell_layers": str(above),
-        "sparse_infill_density": "0%",
-        "wall_generator": "arachne",
-    }
-    inside = {
-        "name": "foam",
-        "sparse_infill_density": "100%",
-        "sparse_infill_pattern": "concentric",
-        "internal_solid_infill_pattern": "concentric",
-        "minimum_sparse_infill_area": "0",
-    }
+def _parts_settings(name: str, shells: list[Told]) -> str:
+    """What OrcaSlicer is told."""
+    titled = {"name": name}
     return (
-        f'{XML}<config>\n<object id="{OBJECT}">\n{_told(whole)}'
-        f'<part id="{PART}" subtype="normal_part">\n{_told({"name": name})}</part>\n'
-        f'<part id="{FOAM}" subtype="modifier_part">\n{_told(inside)}</part>\n'
+        f'{XML}<config>\n<object id="{OBJECT}">\n{_rows(titled | _orca(shells))}'
+        f'<part id="{PART}" subtype="normal_part">\n{_rows(titled)}</part>\n'
+        f'<part id="{FOAM}" subtype="modifier_part">\n'
+        f"{_rows({'name': 'foam'} | _orca(FILLED))}</part>\n"
         "</object>\n</config>\n"
     )
 
 
-def _told(values: Mapping[str, str], kind: str | None = None) -> str:
+def _rows(values: Mapping[str, str], kind: str | None = None) -> str:
     of = f'type="{kind}" ' if kind else ""
     return "".join(
         f"<metadata {of}key={quoteattr(key)} value={quoteattr(value)}/>\n"
