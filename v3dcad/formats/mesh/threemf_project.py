@@ -69,15 +69,15 @@ def write_project(path: Path, part: Mesh, foam: Mesh, name: str, layer_height: f
     printing = PrintSettings()
     width, depth = printing.bed_size()
     centre, vertices = (width / 2, depth / 2), (_vertices(part), _vertices(foam))
-    shells = _shells(printing, layer_height)
+    shells, filled = _shells(printing, layer_height), _filled(printing)
     with zipfile.ZipFile(path, "w") as archive:
         for file, text in {
             "[Content_Types].xml": TYPES,
             "_rels/.rels": RELATIONS,
             RANGES: _ranges_model(part, foam, vertices, centre),
-            PRUSA: _ranges_settings(part, foam, name, shells),
+            PRUSA: _ranges_settings(part, foam, name, shells, filled),
             PARTS: _parts_model(part, foam, vertices, centre),
-            BAMBU: _parts_settings(name, shells),
+            BAMBU: _parts_settings(name, shells, filled),
         }.items():
             entry = zipfile.ZipInfo(file, BEGINNING)
             entry.compress_type = zipfile.ZIP_DEFLATED
@@ -105,14 +105,18 @@ def _shells(printing: PrintSettings, layer_height: float) -> list[Told]:
     ]
 
 
-FILLED = [
-    Told("fill_density", "sparse_infill_density", "100%"),
-    Told("fill_pattern", "sparse_infill_pattern", "concentric"),
-    # OrcaSlicer takes an infill of 100 % for solid.
-    Told(None, "internal_solid_infill_pattern", "concentric"),
-    Told("solid_infill_below_area", "minimum_sparse_infill_area", "0"),
-]
-"""What holds in the foam."""
+def _filled(printing: PrintSettings) -> list[Told]:
+    """What holds in the foam: lines no wider than a wall of one bead, which else is left out."""
+    width = f"{printing.bead_width:g}"
+    return [
+        Told("fill_density", "sparse_infill_density", "100%"),
+        Told("fill_pattern", "sparse_infill_pattern", "concentric"),
+        Told("infill_extrusion_width", "sparse_infill_line_width", width),
+        # OrcaSlicer takes an infill of 100 % for solid.
+        Told(None, "internal_solid_infill_pattern", "concentric"),
+        Told(None, "internal_solid_infill_line_width", width),
+        Told("solid_infill_below_area", "minimum_sparse_infill_area", "0"),
+    ]
 
 
 def _prusa(settings: list[Told]) -> dict[str, str]:
@@ -123,7 +127,9 @@ def _orca(settings: list[Told]) -> dict[str, str]:
     return {told.orca: told.value for told in settings}
 
 
-def _ranges_settings(part: Mesh, foam: Mesh, name: str, shells: list[Told]) -> str:
+def _ranges_settings(
+    part: Mesh, foam: Mesh, name: str, shells: list[Told], filled: list[Told]
+) -> str:
     """What PrusaSlicer is told."""
     outside = {"name": name, "volume_type": "ModelPart", "matrix": IDENTITY}
     inside = {"name": "foam", "volume_type": "ParameterModifier", "matrix": IDENTITY}
@@ -132,19 +138,19 @@ def _ranges_settings(part: Mesh, foam: Mesh, name: str, shells: list[Told]) -> s
         f'{XML}<config>\n<object id="1">\n{_rows({"name": name} | _prusa(shells), "object")}'
         f'<volume firstid="0" lastid="{count - 1}">\n{_rows(outside, "volume")}</volume>\n'
         f'<volume firstid="{count}" lastid="{last}">\n'
-        f"{_rows(inside | _prusa(FILLED), 'volume')}</volume>\n"
+        f"{_rows(inside | _prusa(filled), 'volume')}</volume>\n"
         "</object>\n</config>\n"
     )
 
 
-def _parts_settings(name: str, shells: list[Told]) -> str:
+def _parts_settings(name: str, shells: list[Told], filled: list[Told]) -> str:
     """What OrcaSlicer is told."""
     titled = {"name": name}
     return (
         f'{XML}<config>\n<object id="{OBJECT}">\n{_rows(titled | _orca(shells))}'
         f'<part id="{PART}" subtype="normal_part">\n{_rows(titled)}</part>\n'
         f'<part id="{FOAM}" subtype="modifier_part">\n'
-        f"{_rows({'name': 'foam'} | _orca(FILLED))}</part>\n"
+        f"{_rows({'name': 'foam'} | _orca(filled))}</part>\n"
         "</object>\n</config>\n"
     )
 
