@@ -12,6 +12,7 @@ import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 from printer.real_hosts import OCTOPRINT_KEY, PRUSALINK_KEY, moonraker, octoprint, prusalink
@@ -135,16 +136,24 @@ def test_moonraker(moon: Address, file: Path) -> None:
         one.check(start=True)
 
 
-def test_moonraker_finds_the_picture(moon: Address, tmp_path: Path) -> None:
+def test_moonraker_finds_the_picture_and_what_the_print_takes(
+    moon: Address, tmp_path: Path
+) -> None:
     """What Mainsail and Fluidd show is what Moonraker finds in the file."""
     picture = io.BytesIO()
     Image.new("RGB", (300, 200), "orange").save(picture, "PNG")
     path = tmp_path / "picture.gcode"
-    path.write_text(heading(PrintSettings(), Totals(), picture.getvalue()) + GCODE)
+    totals = Totals(600.0, 1234.0, 3.7, 50, np.array([[1.0, 1.0, 0.2], [9.0, 9.0, 10.0]]))
+    path.write_text(heading(PrintSettings(), totals, picture.getvalue()) + GCODE)
     sending(Moonraker(), moon, path).send(start=False)
-    found = json.loads(fetched(moon, "/server/files/metadata?filename=picture.gcode"))
-    sizes = [(one["width"], one["height"]) for one in found["result"]["thumbnails"]]
-    assert (300, 200) in sizes
+    found = json.loads(fetched(moon, "/server/files/metadata?filename=picture.gcode"))["result"]
+    assert (300, 200) in [(one["width"], one["height"]) for one in found["thumbnails"]]
+    assert found["slicer_version"] == "(v3dcad)"
+    assert found["estimated_time"] == 600
+    assert found["filament_total"] == pytest.approx(1234)
+    assert found["layer_count"] == 50
+    assert found["layer_height"] == pytest.approx(0.2)
+    assert found["object_height"] == 10
 
 
 def test_moonraker_throws_a_spoilt_upload_away(moon: Address, tmp_path: Path) -> None:

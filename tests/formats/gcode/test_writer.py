@@ -184,6 +184,21 @@ def test_header_says_what_the_print_takes() -> None:
     assert ";MINX:100.400\n" in text
 
 
+def test_comments_are_those_that_viewers_know_by_the_name_in_the_header() -> None:
+    """PrusaSlicer's GCodeProcessor.cpp and Moonraker's metadata.py look for Cura's engine by name,
+    up to the first they find, and then for these words; others are shown as unknown.
+    """
+    known = {"WALL-OUTER", "WALL-INNER", "FILL", "SKIN", "SKIRT"}
+    layers = [layer(scattered(12, 8, 1), square(8, z=0.2 * k), k) for k in range(4)]
+    shown = {"perimeters": 2, "bottom_layers": 0, "top_layers": 2, "skirt_loops": 1}
+    text, _ = written(layers, wall_beads=2, open=False, **shown)
+    header = text[: text.index(";LAYER:0")]
+    assert re.findall(r"Cura_SteamEngine\s(.*)", header) == ["(v3dcad)"]
+    assert not re.search("PrusaSlicer|SuperSlicer|Slic3r|OrcaSlicer|BambuStudio", header)
+    assert set(re.findall(r"^;TYPE:(.*)$", text, re.M)) == known
+    assert ";BRIDGE\n" in text
+
+
 def test_the_header_says_how_high_layers_are() -> None:
     for count, said in ((1, 0.25), (2, 0.2), (5, 0.2)):
         text, _ = written(stack(count), first_layer_height=0.25)

@@ -19,6 +19,9 @@ THUMBNAIL_LINE = 76
 PRIME_MARGIN = 3.0
 PRIME_WIDTH = 0.6
 """The prime line's distance from the bed's edges, and the width of its bead, mm."""
+DIALECT = "; comments in the words of Cura_SteamEngine (v3dcad)"
+"""By this name PrusaSlicer's viewer and Moonraker tell how to read the comments. Without it the
+one shows no features, the other neither time, filament, layers nor heights."""
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -47,6 +50,7 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
             lines += [f";{name}{a}:{value:.3f}" for a, value in zip("XYZ", corner, strict=True)]
     lines += [
         ";Generated with v3dcad",
+        DIALECT,
         f"; printer = {' '.join(settings.machine.split())}",
         f"; estimated printing time (normal mode) = {duration_text(totals.time_s)}",
         f"; filament used [mm] = {totals.filament_mm:.2f}",
