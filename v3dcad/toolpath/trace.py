@@ -12,7 +12,7 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.loops.coverage import covered
 from v3dcad.geometry.loops.links import Linked
 from v3dcad.geometry.loops.reach import Stretches, far_from
-from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Floats, Layer, Toolpath
+from v3dcad.model import BRIDGE, CELLS, INNER_PERIMETER, PERIMETER, SOLID, Layer, Toolpath
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.beads import Nozzle
 from v3dcad.toolpath.bridged_walls import with_bridged_walls
@@ -45,14 +45,13 @@ def trace(
     the others as far above it as their sections are, each filling the height to the one below.
     Layers under it get empty toolpaths. Walls of one bead of a `thesis` structure are printed in
     the thesis's order. `report` is told of each layer as soon as it is traced. Layers are held only
-    as long as it takes to know whether they are among the top ones. A layer is measured while the
-    last one is laid and the next one planned. Raises `GeometryError` where layers do not ascend,
-    where beads span more than `fail_over`, and at the end where nothing of the part was printed.
+    as long as it takes to know whether they are among the top ones. A layer is laid while the next
+    one is planned. Raises `GeometryError` where layers do not ascend, where beads span more than
+    `fail_over`, and at the end where nothing of the part was printed.
     """
     laying = _Laying(settings, told=report is not None)
     traced = made = False
-    for measured in overlapped(_measured, _planned(layers, settings, thesis)):
-        toolpath, found = laying.laid(measured)
+    for toolpath, found in overlapped(laying.laid, _planned(layers, settings, thesis)):
         traced, made = True, made or bool(np.isin(toolpath.feature, OF_THE_PART).any())
         if report is not None and found is not None:
             report(found)
@@ -93,46 +92,32 @@ def _planned(layers: Iterable[Layer], settings: PrintSettings, thesis: bool) -> 
         yield _Planned(plan, strokes, lines)
 
 
-class _Measured(NamedTuple):
-    """A layer, and what of its beads has room and lies on others."""
-
-    planned: _Planned
-    room: Floats
-    """(n,) what share of its room each line has to itself"""
-    hang: Stretches | None
-    """where lines hang, if each is one step: walls of one bead are passed twice"""
-
-
-def _measured(planned: _Planned) -> _Measured:
-    """What takes most of the time, and no other layer."""
-    plan, _, lines = planned
-    room = covered(*lines, plan.division.spacing)
-    if plan.below is None or plan.settings.wall_beads == 1:
-        return _Measured(planned, room, None)
-    hang = far_from(lines.segments.ends, plan.below.beads, plan.settings.bead_width / 2)
-    return _Measured(planned, room, hang)
-
-
 class _Laying:
-    """What lays strokes, layer by layer."""
+    """What lays strokes, layer by layer, in a thread of its own.
+
+    Only here are the areas of divisions asked what they cover: shapely indexes an area as it is
+    first asked, which no two threads may do.
+    """
 
     def __init__(self, settings: PrintSettings, *, told: bool) -> None:
         self._settings = settings
         self._told = told
         self._nozzle = Nozzle(settings)
 
-    def laid(self, measured: _Measured) -> tuple[Toolpath, LayerReport | None]:
+    def laid(self, planned: _Planned) -> tuple[Toolpath, LayerReport | None]:
         """The toolpath of the next layer; and what it comes to, if that is to be told."""
-        (plan, strokes, _), room, hang = measured
-        division, level = plan.division, plan.division.level
+        plan, strokes, lines = planned
+        division, below, level = plan.division, plan.below, plan.division.level
         settings, nozzle = self._settings, self._nozzle
-        strokes = capped(strokes, room)
+        strokes = capped(strokes, covered(*lines, division.spacing))
         if level:
             traveller = Traveller(division.area, settings.bead_width / 4)
             nozzle.rise(level, division.height, traveller, first=division.first)
         before = nozzle.position
+        hang: Stretches | None = None
         bridged = 0.0
-        if hang is not None:
+        if below is not None and settings.wall_beads == 2:  # lines are steps: each is passed once
+            hang = far_from(lines.segments.ends, below.beads, settings.bead_width / 2)
             strokes, hang, bridged = with_bridged_walls(
                 strokes, hang, settings.bead_width, settings.minimum_edge
             )
@@ -140,7 +125,6 @@ class _Laying:
             nozzle.print(stroke)
         toolpath = nozzle.taken(plan.layer.index)
         told: tuple[Hanging, ...] = ()
-        below = plan.below
         if below is not None and (self._told or not isinstance(settings.fail_over, str)):
             width, under = settings.bead_width, below.division.area
             told = hanging(toolpath, before, below.beads, under, width, division.height, hang)

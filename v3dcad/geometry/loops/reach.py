@@ -27,6 +27,8 @@ PIECE = 40.0
 """Reaches: longer segments are looked at piece by piece, so that few others are near."""
 ROUNDING = 1e-9
 """Shares of a piece: a shorter stretch is rounding."""
+FIRST = 3
+"""How many of those that follow each other are asked before all that are near."""
 
 
 class Stretches(NamedTuple):
@@ -137,8 +139,8 @@ def _leave(
     """What others leave of segments: how many stretches; those without room are only counted.
 
     Stretches within reach are kept in order (`spans`) as they come. Where lines are laid much as
-    those below, what one lies on, or what follows that, is under the next one, too: these two are
-    asked first.
+    those below, what a line ends on, or what follows that, is under the next one, too: these few
+    are asked first.
     """
     size = visit = last = 0
     for one in range(len(ends)):
@@ -150,16 +152,18 @@ def _leave(
         for piece in range(pieces):
             ax, ay = x + piece / pieces * dx, y + piece / pieces * dy
             bx, by = x + (piece + 1) / pieces * dx, y + (piece + 1) / pieces * dy
-            whole = False
-            for other in range(last, min(last + 2, len(others.ends))):
+            reached = 0.0
+            for other in range(last, min(last + FIRST, len(others.ends))):
                 low, high = within(ax, ay, bx, by, others.ends, other, reach)
-                if low <= 0 and high >= 1:
-                    whole, last = True, other
-                    break
-            if whole:
+                if low <= reached:
+                    reached = max(reached, high)
+                    if reached >= 1:
+                        last = other
+                        break
+            if reached >= 1:
                 continue
             visit += 1
-            count = 0
+            whole, count = False, 0
             for k in range(beside(others, ax, ay, bx, by, reach, stamp, visit, near)):
                 low, high = within(ax, ay, bx, by, others.ends, near[k], reach)
                 if low > high:
@@ -173,6 +177,8 @@ def _leave(
                     place -= 1
                 spans[place, 0], spans[place, 1] = low, high
                 count += 1
+                if high >= 1:
+                    last = near[k]
             if whole:
                 continue
             reached = 0.0
