@@ -228,7 +228,9 @@ def test_retraction_and_hop_surround_a_travel() -> None:
         assert path.points[back, 2] == pytest.approx(0.2)
         flat = path.points[place:back, :2]
         assert np.hypot(*np.diff(flat, axis=0).T).sum() >= 2.0
-    assert np.count_nonzero(path.kind == UNRETRACT) == len(pulled)
+    # The first stroke begins with what was pulled back before the layer.
+    assert np.count_nonzero(path.kind == UNRETRACT) == len(pulled) + 1
+    assert kinds[:3] == [TRAVEL, TRAVEL, UNRETRACT]
 
 
 def test_a_wipe_goes_back_over_the_bead_before_the_hop() -> None:

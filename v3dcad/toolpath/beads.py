@@ -93,6 +93,8 @@ class Nozzle:
         if not self.started and not self._steps:
             self._go([(x, y, level + APPROACH)], TRAVEL, settings.travel_speed)
             self._go([(x, y, level)], TRAVEL, settings.z_speed)
+            if settings.retracts():  # as at the end of what comes before the first layer
+                self._go([(x, y, level)], UNRETRACT, settings.retraction_speed)
             return
         here = self.position
         apart = float(np.hypot(*(stop - here[:2])))

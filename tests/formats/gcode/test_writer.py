@@ -534,7 +534,42 @@ def test_retractions_are_in_the_file_as_traced() -> None:
     paths = list(trace(stack(2, 20), options, thesis=True))
     pulled = sum(int(np.count_nonzero(path.kind == RETRACT)) for path in paths)
     text, _ = written(stack(2, 20), thesis=True, retraction=0.8, extrusion="relative")
-    assert text.count("E-0.8") == pulled > 3
+    assert text.count("E-0.8") == pulled + 1 > 4  # once before the first layer
+
+
+@pytest.mark.parametrize("pulled_by", ["gcode", "firmware"])
+@pytest.mark.parametrize("extrusion", ["absolute", "relative"])
+def test_filament_is_held_back_on_every_way_and_never_as_it_is_laid(
+    extrusion: str, pulled_by: str
+) -> None:
+    """From the prime line on: the way from there to the first stroke is the longest."""
+    text, _ = written(
+        stack(2, 20), thesis=True, extrusion=extrusion, prime_line=100.0,
+        retraction=0.8, retraction_by=pulled_by, retraction_travel=1.5,
+    )  # fmt: skip
+    held, last_e, ways = 0.0, 0.0, []
+    here = np.zeros(2)
+    for line in text[text.rindex("G92 E0\nG1 Z2") :].splitlines():
+        words = {word[0]: word[1:] for word in line.partition(";")[0].split()}
+        code = words.get("G")
+        if code == "92":
+            last_e = float(words["E"])
+        elif code in ("10", "11"):
+            held += 0.8 if code == "10" else -0.8
+        elif code in ("0", "1"):
+            there = np.array([float(words.get(a, b)) for a, b in zip("XY", here, strict=True)])
+            fed = float(words.get("E", last_e if extrusion == "absolute" else 0))
+            if extrusion == "absolute":
+                fed, last_e = fed - last_e, fed
+            if (there == here).all():
+                held -= fed
+            elif fed > 0:
+                assert held == pytest.approx(0.0, abs=1e-9)
+            elif (way := float(np.hypot(*(there - here)))) >= 1.5:
+                assert held == pytest.approx(0.8)
+                ways.append(way)
+            here = there
+    assert max(ways) > 60 and len(ways) > 4
 
 
 ACCELERATIONS = {

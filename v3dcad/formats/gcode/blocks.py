@@ -68,6 +68,7 @@ def heading(settings: PrintSettings, totals: Totals, thumbnail: bytes | None) ->
         *_acceleration(settings),
         *_pressure_advance(settings),
         "M107",
+        *_retraction(settings),
         f";LAYER_COUNT:{totals.layers}",
     ]
     return "\n".join(lines) + "\n"
@@ -160,6 +161,18 @@ def _prime_line(settings: PrintSettings) -> list[str]:
         "G92 E0",
         f"G1 Z2 F{rise}",
     ]
+
+
+def _retraction(settings: PrintSettings) -> list[str]:
+    """Pulls the filament back before the way to the first stroke, at whose start it is pushed on.
+
+    That way may lead across the whole bed.
+    """
+    if not settings.retracts():
+        return []
+    if settings.retraction_by == "firmware":
+        return ["G10"]
+    return [f"G1 E-{settings.retraction:g} F{round(60 * settings.retraction_speed)}"]
 
 
 def _acceleration(settings: PrintSettings) -> list[str]:

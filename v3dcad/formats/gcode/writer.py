@@ -125,7 +125,10 @@ def _write_body(
         lines, step = writer.lines(toolpath)
         power = _fan(settings, totals.layers)
         heating = temperature_lines(settings) if totals.layers == 1 else []
-        opening = _opening(toolpath, settings, [*heating, *_blow(power, blowing)])
+        # The first layer goes on from the retraction before it.
+        anew = totals.layers > 0 and not settings.counts_from_before()
+        told = [*(["G92 E0"] if anew else []), *heating, *_blow(power, blowing)]
+        opening = "\n".join([f";LAYER:{toolpath.layer[0]}", *told, ""]).encode("ascii")
         comments, blowing = _comments(toolpath, settings, power)
         body.write(opening)
         progress.append((len(opening), totals.time_s))
@@ -136,13 +139,6 @@ def _write_body(
             progress.append((len(block), float(begins)))
         _count(totals, toolpath, float(at[-1]), settings)
     return progress
-
-
-def _opening(toolpath: Toolpath, settings: PrintSettings, told: list[str]) -> bytes:
-    lines = [f";LAYER:{toolpath.layer[0]}"]
-    if not settings.counts_from_before():
-        lines.append("G92 E0")
-    return ("\n".join([*lines, *told]) + "\n").encode("ascii")
 
 
 def _blow(power: int, blowing: int) -> list[str]:
