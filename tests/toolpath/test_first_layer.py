@@ -15,6 +15,7 @@ from v3dcad.errors import GeometryError
 from v3dcad.geometry.section_area import section_area
 from v3dcad.model import BRIM, EXTRUDE, Layer, Section, Toolpath
 from v3dcad.settings import PrintSettings
+from v3dcad.toolpath.division import divided
 from v3dcad.toolpath.first_layer import (
     RESOLUTION,
     brim_width,
@@ -68,6 +69,42 @@ def test_the_lowest_bead_of_a_sphere_lies_on_the_bed() -> None:
     heights = np.concatenate([path.points[path.kind == EXTRUDE, 2] for path in paths])
     assert heights.min() == pytest.approx(0.2)
     assert heights.max() == pytest.approx(16.0)
+
+
+@pytest.mark.parametrize(
+    ("height", "first_layer", "begins"),
+    [(0.1, 0.2, 1), (0.1, 0.3, 2), (0.05, 0.2, 3), (0.12, 0.2, 1), (0.15, 0.2, 0), (0.3, 0.2, 0)],
+)
+@pytest.mark.parametrize("empty", [0, 2])
+def test_a_high_first_layer_takes_in_others_so_that_the_part_keeps_its_height(
+    height: float, first_layer: float, begins: int, empty: int
+) -> None:
+    count = 9
+    sections = [Section(0.02 + height * k, ()) for k in range(empty)]
+    ring = square(6).rings
+    sections += [Section(0.02 + height * (empty + k), ring) for k in range(count)]
+    found = [
+        *divided(enumerate(sections), PrintSettings(first_layer_height=first_layer, skin_span="off"))
+    ]
+    assert [one.printed for one in found] == [k >= empty + begins for k in range(len(sections))]
+    assert found[empty + begins].level == pytest.approx(first_layer)
+    # Whole layers let no other choice come nearer.
+    assert abs(found[-1].level - count * height) <= max(height / 2, height - first_layer) + 1e-9
+
+
+def test_a_part_thinner_than_the_first_layer_is_printed_once() -> None:
+    sections = [Section(0.05 + 0.1 * k, square(6).rings) for k in range(2)]
+    found = list(divided(enumerate(sections), PrintSettings(first_layer_height=0.35)))
+    assert [one.printed for one in found] == [False, True]
+
+
+def test_sections_that_the_first_layer_takes_in_do_not_stay_empty() -> None:
+    layers = [layer(scattered(9, 6, 1), replace(square(6), z=0.1 * k), k) for k in range(8)]
+    paths, reports = traced(layers, first_layer_height=0.3)
+    assert [len(path.points) > 0 for path in paths] == [False, False, *6 * [True]]
+    assert not [found for found in findings(reports) if "stay empty" in found]
+    empty = [report.narrow_area for report in reports]
+    assert empty[:2] == pytest.approx([0, 0], abs=1e-6)
 
 
 def test_a_brim_goes_round_what_stands_on_little() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
+from itertools import islice, tee, zip_longest
 
 import numpy as np
 import shapely
@@ -29,17 +31,27 @@ def cuts(sections: Iterable[Section], settings: PrintSettings) -> Iterator[Cut]:
     """The areas of sections, ascending in z.
 
     They are printed from the first one on that has room for a bead: a part that stands on a point
-    or a line may begin with sections that have none. Corners of fine meshes that G-code could not
-    tell from a straight line are left out; by them, most of the time would be lost. Sections of
-    upright walls are the same again, and so is the cut then, which saves time all along.
+    or a line may begin with sections that have none. Where the first layer is higher than others,
+    it takes in some more, so that the part comes out as high as it is, as nearly as whole layers
+    let it. Corners of fine meshes that G-code could not tell from a straight line are left out; by
+    them, most of the time would be lost. Sections of upright walls are the same again, and so is
+    the cut then, which saves time all along.
     """
     last: Section | None = None
     cut = Cut(shapely.Polygon(), printed=False)
-    for section in sections:
+    begun: float | None = None  # z of the first section with room
+    ahead, following = tee(sections)
+    for section, above in zip_longest(ahead, islice(following, 1, None)):
         if last is None or not section.same_rings(last):
             area = section_area(section).simplify(RESOLUTION)
-            printed = cut.printed or not inset(area, outermost_depth(settings)).is_empty
-            last, cut = section, Cut(area, printed)
+            last, cut = section, Cut(area, cut.printed)
+        if not cut.printed:
+            if begun is None and not inset(cut.area, outermost_depth(settings)).is_empty:
+                begun = section.z
+            if begun is not None:
+                rise = above.z - section.z if above and above.z > section.z else math.inf
+                short = settings.first_layer_height - (section.z - begun + rise)
+                cut = cut._replace(printed=short < rise / 2 + RESOLUTION)
         yield cut
 
 

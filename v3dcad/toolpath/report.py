@@ -13,7 +13,8 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.first_layer import stand_width, stands_badly
 from v3dcad.toolpath.overhang import Hanging
-from v3dcad.toolpath.plan import Plan
+from v3dcad.toolpath.perimeters import outermost_depth
+from v3dcad.toolpath.plan import Plan, narrow_area
 from v3dcad.words import counted
 
 MOST_NAMED = 5
@@ -83,7 +84,7 @@ def layer_report(
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
-        narrow_area=plan.narrow_area if level else float(division.area.area),
+        narrow_area=plan.narrow_area if level else _unreached(plan),
         level=level,
         area=float(division.area.area),
         stand_width=stand_width(division.area) if division.first and level else 0.0,
@@ -92,6 +93,11 @@ def layer_report(
         hanging=hanging,
         bridged=bridged,
     )
+
+
+def _unreached(plan: Plan) -> float:
+    """Mm² of a section below the first layer with no room for a bead; others that takes in."""
+    return narrow_area(plan.division.area, outermost_depth(plan.settings))
 
 
 def narrow_cells(layer: Layer, settings: PrintSettings) -> Ints:
