@@ -83,9 +83,7 @@ def test_a_high_first_layer_takes_in_others_so_that_the_part_keeps_its_height(
     sections = [Section(0.02 + height * k, ()) for k in range(empty)]
     ring = square(6).rings
     sections += [Section(0.02 + height * (empty + k), ring) for k in range(count)]
-    found = [
-        *divided(enumerate(sections), PrintSettings(first_layer_height=first_layer, skin_span="off"))
-    ]
+    found = [*divided(enumerate(sections), PrintSettings(first_layer_height=first_layer))]
     assert [one.printed for one in found] == [k >= empty + begins for k in range(len(sections))]
     assert found[empty + begins].level == pytest.approx(first_layer)
     # Whole layers let no other choice come nearer.
