@@ -13,6 +13,7 @@ import numpy as np
 
 from v3dcad.arguments import above_zero, numbers, place
 from v3dcad.errors import FormatError, GeometryError, SettingError
+from v3dcad.formats.content import other_content
 from v3dcad.formats.mesh.stl import normals, read_stl
 from v3dcad.model import Floats, Layer, Mesh, Part, Placement, Section, part_words
 from v3dcad.settings import UNITS
@@ -230,6 +231,16 @@ def _mesh_part(
 
 def _part_in(path: Path, repair: bool, factor: float) -> SolidPart | MeshPart:
     check_readable(path)
+    try:
+        return _read(path, repair, factor)
+    except FormatError as error:
+        holds = other_content(path)
+        if holds is None:
+            raise
+        raise FormatError(holds, path=str(path)) from error
+
+
+def _read(path: Path, repair: bool, factor: float) -> SolidPart | MeshPart:
     ending = path.suffix.lower()
     if ending in STL:
         return _mesh_part(path.stem, read_stl(path), repair, factor, (), str(path))
