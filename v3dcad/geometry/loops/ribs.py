@@ -142,7 +142,7 @@ def _grow(
                 reach = min(other, middle)
                 if reach >= max(one, root):
                     wanted = max(wanted, reach - slope * above[n])
-            tip = min(wanted, middle - half, most)
+            tip = min(wanted, min(middle, far) - half, most)
             if tip >= root + half:
                 tips[k, side] = sign * tip
 
