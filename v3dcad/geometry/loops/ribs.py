@@ -56,8 +56,7 @@ class Ribbed(Value):
     loops: Loops
     gaps: Gaps
     ribs: Floats
-    """(r, 2, 2) mm: the middle line of each rib, from the middle of the wall that it grows
-    from to the end of the bead at its tip"""
+    """(r, 2, 2) mm: the middle line of each rib, from its root to the end of the bead at its tip"""
 
 
 def with_ribs(
@@ -92,10 +91,8 @@ def with_ribs(
     own = sides[grown]
     root, tip = gaps[grown], tips[grown]
     along = np.broadcast_to(strips.pitch * line[:, None], tips.shape)[grown]
-    outwards = np.copysign(strips.half, tip - root)
-    ribs = np.stack(
-        [np.stack([x, along], axis=1) for x in (root - outwards, tip + outwards)], axis=1
-    )
+    end = tip + np.copysign(strips.half, tip - root)
+    ribs = np.stack([np.stack([root, along], axis=1), np.stack([end, along], axis=1)], axis=1)
     order = np.lexsort((passes.edge[own, 0] + passes.share[own, 0], passes.loop[own]))
     around = _around(loops, strips, passes.taken(own[order]), tip[order])
     return Ribbed(around, Gaps(line, tips), ribs)
