@@ -49,7 +49,7 @@ def opening(count: int, opens: int) -> list[Layer]:
     """Layers of a block in which, along a side, a cell opens from so high a layer on."""
     made = []
     for k in range(count):
-        wall = HALF - 1.0 - 0.19 * (k - opens)
+        wall = HALF - 1.0 - 0.19 * min(k - opens, 20)
         sites = np.array([[0.3, 6.0], [0, 2 * wall - 6.0], [-7, -8], [8, -7]])
         made.append(layer(sites, square(HALF)))
     return stacked(made)

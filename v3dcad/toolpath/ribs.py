@@ -27,7 +27,7 @@ PAST = 1.0
 
 
 def slope(division: Division) -> float:
-    """How far a rib's tip goes on for each mm that layers rise: half a bead a layer, 1 mm at most."""
+    """How far a rib's tip goes on for each mm that layers rise: at most half a bead a layer."""
     return min(division.spacing / 2 / division.height, 1.0)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from v3dcad.geometry.compiled.arrays import (
-    BoolArray,
+    BoolRows,
     ConstFloatArray,
     ConstFloatRows,
     ConstIntArray,
@@ -69,13 +69,13 @@ def with_ribs(
     `slope` mm short of it.
     """
     passes = Passes.of(loops, strips)
-    sides, free = passes.gaps()
+    sides, walls = passes.gaps()
     line = passes.line[sides[:, 0]]
     gaps = np.stack([passes.extent[sides[:, 0], 1], passes.extent[sides[:, 1], 0]], axis=1)
     under = Gaps(line, gaps) if below is None else below
     tips = gaps.copy()
     _grow(
-        free,
+        walls,
         _of_lines(needs.line, line),
         needs.ends,
         needs.above,
@@ -114,7 +114,7 @@ def _around(loops: Loops, strips: Strips, passes: Passes, tip: Floats) -> Loops:
 
 @compiled(UNCOUNTED)
 def _grow(
-    free: BoolArray,
+    walls: BoolRows,
     needs: ConstIntRows,
     needed: ConstFloatRows,
     above: ConstFloatArray,
@@ -126,16 +126,20 @@ def _grow(
     gaps: ConstFloatRows,
     tips: FloatRows,
 ) -> None:
-    """How far ribs go into each gap, from either end."""
+    """How far ribs go into each gap, from either end that is a wall."""
     for k in range(len(gaps)):
-        if not free[k] or needs[k, 0] == needs[k, 1]:
+        if needs[k, 0] == needs[k, 1]:
             continue
         begin, end = gaps[k, 0], gaps[k, 1]
         # The right half of a gap is the left half of its mirror image.
         for side in range(2):
+            if not walls[k, side]:
+                continue
             sign = 1.0 if side == 0 else -1.0
             root, far = (begin, end) if side == 0 else (-end, -begin)
             most, middle = _held(root, far, step, half, side, unders[k, 0], unders[k, 1], under)
+            if not walls[k, 1 - side]:
+                middle = far  # no rib comes from there
             wanted = -math.inf
             for n in range(needs[k, 0], needs[k, 1]):
                 one, other = sign * needed[n, side], sign * needed[n, 1 - side]

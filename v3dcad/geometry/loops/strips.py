@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from v3dcad.geometry.compiled.arrays import (
-    BoolArray,
     ConstFloatRows,
     ConstIntArray,
     FloatRows,
@@ -68,10 +67,13 @@ class Passes(NamedTuple):
         return found.taken(np.lexsort((middle, line[:count])))
 
     def gaps(self) -> tuple[Ints, NDArray[np.bool_]]:
-        """(g, 2) the passes on both sides of each gap; (g,) whether no loop pokes into it."""
-        sides, free = np.empty((len(self.line), 2), np.int64), np.empty(len(self.line), np.bool_)
-        count = _pair(self, sides, free)
-        return sides[:count], free[:count]
+        """(g, 2) the passes on both sides of each gap; and at which of them a wall ends it.
+
+        At the others a loop only pokes into the strip.
+        """
+        sides, walls = np.empty((2, len(self.line), 2), np.int64)
+        count = _pair(self, sides, walls)
+        return sides[:count], walls[:count] > 0
 
     def taken(self, which: Ints) -> Passes:
         """Some of them, in an order."""
@@ -165,19 +167,19 @@ def _met(
 
 
 @compiled(UNCOUNTED)
-def _pair(passes: Passes, sides: IntRows, free: BoolArray) -> int:
-    """Fill in the passes between which gaps lie, and whether these are free; tells how many."""
-    count, begun, clear = 0, -1, True
+def _pair(passes: Passes, sides: IntRows, walls: IntRows) -> int:
+    """Fill in the passes, sorted along lines, between which gaps lie; tells how many gaps."""
+    count, begun = 0, -1
     for k in range(len(passes.line)):
         if begun >= 0 and passes.line[begun] != passes.line[k]:
             begun = -1
-        if passes.kind[k] == BEGINS:
-            begun, clear = k, True
-        elif passes.kind[k] == TOUCHES:
-            clear = False
-        elif begun >= 0:
-            if passes.extent[begun, 1] < passes.extent[k, 0]:
-                sides[count, 0], sides[count, 1], free[count] = begun, k, clear
-                count += 1
+        kind = passes.kind[k]
+        if begun >= 0 and kind != BEGINS and passes.extent[begun, 1] < passes.extent[k, 0]:
+            sides[count, 0], sides[count, 1] = begun, k
+            walls[count, 0], walls[count, 1] = passes.kind[begun] == BEGINS, kind == ENDS
+            count += 1
+        if kind == BEGINS or (kind == TOUCHES and begun >= 0):
+            begun = k
+        elif kind == ENDS:
             begun = -1
     return count
