@@ -49,6 +49,7 @@ PRINT = (
     "v3dcad.geometry.loops.power_cells",
     "v3dcad.geometry.loops.convex_cells",
     "v3dcad.geometry.loops.region",
+    "v3dcad.geometry.loops.strips",
     "v3dcad.geometry.loops.ribs",
     "v3dcad.geometry.loops.curves",
     "v3dcad.geometry.loops.wall_ends",

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from v3dcad.model import Floats, Ints
 
@@ -20,12 +19,6 @@ class Bands(NamedTuple):
     """(n,)"""
     ends: Floats
     """(n, 2) mm: x of begin and end"""
-
-    def hold(self, places: Floats) -> NDArray[np.bool_]:
-        """(p,) which places (p, 2), mm, lie in one of them."""
-        x, y = places[:, :1], np.floor(places[:, 1:] / self.pitch)
-        inside = (y == self.band) & (self.ends[:, 0] <= x) & (x <= self.ends[:, 1])
-        return np.asarray(inside.any(axis=1))
 
     def area(self) -> shapely.Geometry:
         """What they cover."""

@@ -1,8 +1,7 @@
 """Walls that hang become bridges: printed with the speed, the flow and the fan of these.
 
 The foam's rim lies over open cells where a roof leans little, since it comes in with the contour on
-each layer; so does a wall that moves by a whole bead at once, where a cell opens beside a
-perimeter.
+each layer; so do some walls beside a cell that opens.
 """
 
 from __future__ import annotations

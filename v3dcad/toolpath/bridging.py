@@ -10,6 +10,7 @@ import shapely
 from v3dcad.geometry.loops.segments import Segments
 from v3dcad.model import Diagram, Floats
 from v3dcad.toolpath.division import Division
+from v3dcad.toolpath.perimeters import inset
 from v3dcad.toolpath.scan_lines import ScanLines, gaps
 
 ANGLES = np.arange(0.0, 180.0, 15.0)
@@ -50,9 +51,12 @@ class Below(NamedTuple):
     """the lines that its beads lie along"""
 
     def held(self) -> Held:
-        """What of the layer holds up the next: solid parts, and walls in the foam."""
+        """What of the layer holds up the next: solid parts, the foam's rim, and walls in it."""
+        division = self.division
+        inside = inset(division.foam, division.spacing)
         walls = self.diagram.vertices[self.diagram.edges[self.diagram.inner()]]
-        return Held(self.division.solid(), np.concatenate([walls, self.ribs]), self.wall)
+        solid = shapely.difference(division.area, inside)
+        return Held(solid, np.concatenate([walls, self.ribs]), self.wall)
 
 
 def bridges(

@@ -11,46 +11,40 @@ import shapely
 from v3dcad.geometry.loops.loops import Loops
 from v3dcad.geometry.loops.power_cells import PowerCells
 from v3dcad.geometry.loops.region import Region
-from v3dcad.model import Ints, Layer
+from v3dcad.model import Layer
 from v3dcad.toolpath.perimeters import inset, rings
 
-LEAST_RADIUS = 0.55
-"""Cells into which no circle of so many bead spacings fits are left out."""
 LEAST_LENGTH = 2.0
 """Loops shorter than so many bead spacings are left out,"""
 LEAST_WIDTH = 0.01
 """and those that are, on average, not so many bead spacings wide."""
 
 
-def cell_loops(
-    layer: Layer, within: shapely.Geometry, spacing: float, without: Ints | None = None
-) -> Loops:
-    """The loops of all cells but those `without` a loop, each owned by its site.
+def cell_loops(layer: Layer, within: shapely.Geometry, spacing: float) -> Loops:
+    """The loops of all cells that have room for one, each owned by its site.
 
     A loop lies half a bead spacing (mm) inside its cell's walls and inside the area `within`. Loops
-    run counter-clockwise, those around holes clockwise. A cell too small for a loop is left
-    out, too: all others are as if its site were absent. Where none would stay, the largest does.
+    run counter-clockwise, those around holes clockwise. Where a cell is too small for a loop, those
+    around it lie a little apart: so walls move no faster than the foam's where a cell opens. Where
+    none has room, all is one cell: that with the largest area.
     """
     core = inset(within, spacing / 2)
     if core.is_empty:
         return Loops.of([], [])
     region = _region(core)
     sites = layer.diagram.sites()
-    if without is not None:
-        some = sites[~np.isin(sites, without)]
-        sites = some if len(some) else sites
     places, weights = layer.state.sites[sites, :2], layer.state.weights[sites]
     left, bottom, right, top = core.bounds
     low, high = np.array([left, bottom]) - spacing, np.array([right, top]) + spacing
 
     cells = PowerCells(places, weights, low, high)
-    roomy = region.cut(*cells.drawn_in(LEAST_RADIUS * spacing), 0.0, 0.0)
-    kept = np.zeros(len(sites), np.bool_)
-    kept[roomy.owner] = True
-    if not kept.any():
-        kept[np.argmax(layer.diagram.areas(len(layer.state.sites))[sites])] = True
-    least = LEAST_LENGTH * spacing
-    loops = region.cut(*cells.drawn_in(spacing / 2, kept), least, LEAST_WIDTH * spacing * least)
+    length = LEAST_LENGTH * spacing
+    least = length, LEAST_WIDTH * spacing * length
+    loops = region.cut(*cells.drawn_in(spacing / 2), *least)
+    if not len(loops.owner):
+        largest = np.argmax(layer.diagram.areas(len(layer.state.sites))[sites])
+        alone = np.arange(len(sites)) == largest
+        loops = region.cut(*cells.drawn_in(spacing / 2, alone), *least)
     return replace(loops, owner=sites[loops.owner])
 
 

@@ -82,11 +82,11 @@ def divided(sections: Iterable[tuple[int, Section]], settings: PrintSettings) ->
         foam, skin = parted(inner, skin, spacing)
         held = NO_BANDS
         if last and pitch and foam is not last.foam:
-            spans = opened(shared(skin, last.foam), LEAST_HELD * spacing / 2)
+            spans = _over(area, foam, last.foam, spacing)
             if not spans.is_empty:
                 foam, skin = widened(inner, foam, bands(spans, pitch).area(), spacing)
-            bare = shared(shapely.difference(area, foam), last.foam)
-            held = bands(opened(bare, LEAST_HELD * spacing / 2), pitch)
+                spans = _over(area, foam, last.foam, spacing)
+            held = bands(spans, pitch)
         rest, over = skin, NOTHING
         if last and not skin.is_empty:
             rest, over = _resting(skin, last.solid(), spacing)
@@ -98,6 +98,14 @@ def divided(sections: Iterable[tuple[int, Section]], settings: PrintSettings) ->
 def perimeter_depths(settings: PrintSettings, spacing: float) -> list[float]:
     """How deep inside the contour each perimeter's centre line runs, mm, outermost first."""
     return [outermost_depth(settings) + number * spacing for number in range(settings.perimeters)]
+
+
+def _over(
+    area: shapely.Geometry, foam: shapely.Geometry, below: shapely.Geometry, spacing: float
+) -> shapely.Geometry:
+    """Where an area's perimeters and skins lie over the foam `below` so far that ribs hold them."""
+    bare = shared(shapely.difference(area, foam), below)
+    return opened(bare, LEAST_HELD * spacing / 2)
 
 
 def _resting(

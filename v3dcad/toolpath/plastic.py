@@ -29,7 +29,7 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.bead import bead_areas
 from v3dcad.toolpath.division import Division, divided
 from v3dcad.toolpath.plan import Plan
-from v3dcad.toolpath.ribs import Ribs, reach
+from v3dcad.toolpath.ribs import Ribs, reach, slope
 from v3dcad.toolpath.seam import Seams
 from v3dcad.toolpath.stroke import capped, lines_of
 
@@ -106,17 +106,17 @@ class Rooms:
             for rooms, volume, some in zip(self._rooms.T, laid.T, self._some, strict=True)
         ]
         perimeters, skins, cells = found
-        return Plastic(perimeters, skins, cells + self._ribs(layers, reach(widest)))
+        return Plastic(perimeters, skins, cells + self._ribs(layers, widest))
 
-    def _ribs(self, layers: Sequence[Layer], reach: float) -> float:
-        """What ribs take, mm³, grown on some of the layers at most `reach` (mm) under skins."""
+    def _ribs(self, layers: Sequence[Layer], area_per_cell: float) -> float:
+        """What ribs take, mm³, grown on some of the layers, in cells of at most so many mm²."""
         ribs, volume = Ribs(self.settings), 0.0
         last: float | None = None  # mm, the level of the last one of them under a skin
         for printed in self._printed:
             ribs.note(printed.division)
         for number, division, _ in self._printed:
             level = division.level
-            if not ribs.under(level, reach):
+            if not ribs.under(level, reach(area_per_cell, slope(division))):
                 last = None
             elif last is None or level - last >= COARSE:
                 ribs.loops(layers[number], division)

@@ -13,8 +13,9 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from v3dcad.geometry.loops.loops import Loops
-from v3dcad.geometry.loops.ribs import Gaps, Lines, Needs, with_ribs
-from v3dcad.model import Ints, Layer
+from v3dcad.geometry.loops.ribs import Gaps, Needs, with_ribs
+from v3dcad.geometry.loops.strips import Strips
+from v3dcad.model import Layer
 from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.cell_loops import cell_loops
 from v3dcad.toolpath.division import Division
@@ -23,18 +24,19 @@ EARLY = 1.0
 """mm below a skin where ribs have met."""
 PAST = 1.0
 """mm that ribs hold beside what is to be held: skins reach a little further."""
-LATE = 1 / 3
-"""Widths of a cell below a skin in which none opens: ribs would not keep up with its walls."""
-NARROW = 0.4
-"""Shares of the pitch: cells that are no wider need no ribs; some widen before the skin."""
 
 
-def reach(area_per_cell: float) -> float:
+def slope(division: Division) -> float:
+    """How far a rib's tip goes on for each mm that layers rise: at most half a bead a layer."""
+    return min(division.spacing / 2 / division.height, 1.0)
+
+
+def reach(area_per_cell: float, slope: float) -> float:
     """How far under a skin ribs are made, mm, in cells of so many mm².
 
-    In the narrower direction most cells are not wider than twice that.
+    In the narrower direction most cells are not wider than twice the square root of that.
     """
-    return EARLY + math.sqrt(area_per_cell)
+    return EARLY + math.sqrt(area_per_cell) / slope
 
 
 class Ribs:
@@ -45,8 +47,6 @@ class Ribs:
         self._above: deque[Division] = deque()
         self._level = 0.0
         self._gaps: Gaps | None = None
-        self._sites: Ints | None = None
-        self._late = np.empty(0, np.int64)
         self.walls = np.empty((0, 2, 2))
         """(r, 2, 2) mm, both ends of the last layer's ribs"""
 
@@ -58,12 +58,14 @@ class Ribs:
         for layer, division in found:
             waiting.append((layer, division))
             self.note(division)
-            while waiting and division.level - waiting[0][1].level >= self._reach(waiting[0][0]):
+            while waiting and division.level - waiting[0][1].level >= self._reach(*waiting[0]):
                 yield waiting.popleft()
         yield from waiting
 
-    def _reach(self, layer: Layer) -> float:
-        return reach(layer.area_per_cell) if self._pitch else 0.0
+    def _reach(self, layer: Layer, division: Division) -> float:
+        if not self._pitch or not division.printed:
+            return 0.0
+        return reach(layer.area_per_cell, slope(division))
 
     def note(self, division: Division) -> None:
         """Take note of what is to be held up on the next layer above."""
@@ -78,31 +80,16 @@ class Ribs:
 
     def loops(self, layer: Layer, division: Division) -> Loops:
         """The loops of a layer's cells, with ribs where something above is to be held up."""
-        level, height, spacing = division.level, division.height, division.spacing
-        rise, self._level = level - self._level, level
+        rise, self._level = division.level - self._level, division.level
         self.walls = np.empty((0, 2, 2))
-        if not self.under(level, self._reach(layer)):
-            self._gaps = self._sites = None
-            return cell_loops(layer, division.foam, spacing)
-        loops = cell_loops(layer, division.foam, spacing, self._without(layer))
-        slope = min(spacing / 2 / height, 1.0)
-        lines = Lines(self._pitch, spacing / 2, NARROW * self._pitch + spacing)
-        found = with_ribs(loops, lines, self._needs(), self._gaps, slope * rise, slope)
+        loops = cell_loops(layer, division.foam, division.spacing)
+        if not self.under(division.level, self._reach(layer, division)):
+            self._gaps = None
+            return loops
+        strips, steep = Strips(self._pitch, division.spacing / 2), slope(division)
+        found = with_ribs(loops, strips, self._needs(), self._gaps, steep * rise, steep)
         self._gaps, self.walls = found.gaps, found.ribs
         return found.loops
-
-    def _without(self, layer: Layer) -> Ints:
-        """The sites of cells that have opened too late under a skin; they are left out."""
-        sites = layer.diagram.sites()
-        if self._sites is not None:
-            new = np.setdiff1d(sites, self._sites)
-            places, late = layer.state.sites[new, :2], np.zeros(len(new), np.bool_)
-            for over in self._above:
-                if len(new) and over.level - self._level < LATE * math.sqrt(layer.area_per_cell):
-                    late |= over.bands.hold(places)
-            self._late = np.concatenate([self._late, new[late]])
-        self._sites = sites
-        return self._late
 
     def _needs(self) -> Needs:
         """What is to be held up on the lines at both sides of bands."""

@@ -5,6 +5,7 @@ power_cells  the convex cells of weighted sites, drawn in
 segments     segments in a grid of squares: which are near each other
 convex_cells how segments and places lie to a convex cell
 region       convex cells cut by an area's contours
+strips       strips along parallel lines, and how loops pass them
 ribs         how far walls grow into the cells beside them; loops round them
 facing       where two loops face each other
 reach        which stretches of segments lie far from all others
