@@ -36,6 +36,8 @@ class MachineState:
     """X, Y and Z where they are known"""
     e: float = 0.0
     """the filament's coordinate, which G92 may rename"""
+    held: float = 0.0
+    """mm of filament that is pulled back"""
     feed: float = 0.0
     """mm/min; 0 while none was given"""
     absolute: bool = True
@@ -153,17 +155,19 @@ class MachineState:
         """A tool as it is named in a command; a file without tools needs no names."""
         return f" {tool}" if self.tool or tool != FIRST else ""
 
-    def after_reset(self, height: float) -> list[str]:
+    def after_reset(self, height: float, retraction: float) -> list[str]:
         """Lines that put a printer which was reset into this state, over a part on the bed.
 
         `height` (mm) is where the nozzle stands. Z is never homed: it would run into the part. So
-        the printer is told its height, and X and Y are homed a little above.
+        the printer is told its height, and X and Y are homed a little above. `retraction` (mm) is
+        how much filament is pulled back; on the way it is as much as in this state.
         """
         return [
             *self.heat(),
             *self.kept.values(),
             *([self.tool] if self.tool else []),
             "G21",
+            *self._feed(round(retraction - self.held, 5)),
             f"G92 Z{height:g}",
             "G91",
             f"G1 Z{LIFT:g} F{RISE:g}",
@@ -216,6 +220,7 @@ class MachineState:
             asked = self._mm(words["E"])
             fed = asked - self.e if self.absolute_e else asked
             self.e += fed
+            self.held = max(self.held - fed, 0.0)
             height = self.place.get("Z")
             if fed > 0 and moves and height != self.height:
                 self.layer += 1
