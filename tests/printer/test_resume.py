@@ -185,6 +185,21 @@ def test_after_a_reset_no_drop_is_pushed_out_before_the_first_bead(
         assert pushed == pytest.approx(paused)
 
 
+@given(st.integers(len(HEADER) + 60, len(FILE) - 2))
+def test_after_a_reset_the_nozzle_does_not_dip_into_the_layer_that_stands(done: int) -> None:
+    """Part of the layer is there: on the way to its start the nozzle stays as high or higher."""
+    onward = continuation(program(FILE), Record(done, done, done, done), Greeting("Klipper"))
+    told = [line.replace("G92 Z", "G1 F600 Z") for line in onward.before]
+    heights = []
+    for move in machine([*told, *FILE[onward.lines_done :]]).moves:
+        heights.append(move.stop[2])
+        if move.extruded > 0:
+            break
+    down = heights[heights.index(max(heights)) :]
+    assert len(down) > 2
+    assert min(down) == pytest.approx(heights[-1])
+
+
 class Keeper:
     """A journal in memory."""
 

@@ -160,7 +160,9 @@ class MachineState:
 
         `height` (mm) is where the nozzle stands. Z is never homed: it would run into the part. So
         the printer is told its height, and X and Y are homed a little above. `retraction` (mm) is
-        how much filament is pulled back; on the way it is as much as in this state.
+        how much filament is pulled back; on the way it is as much as in this state. The nozzle
+        comes down with the file's next line, which names its height: this state's is that of the
+        layer below, above which part of the layer stands by now. Relative moves count from there.
         """
         return [
             *self.heat(),
@@ -173,7 +175,7 @@ class MachineState:
             f"G1 Z{LIFT:g} F{RISE:g}",
             "G90",
             "G28 X Y",
-            *self._go(),
+            *(self._over() if self.absolute else self._go()),
             f"M106 S{self.fan:g}" if self.fan else "M107",
             *self._modes(),
         ]
@@ -182,10 +184,13 @@ class MachineState:
         """Filament moved, unless the nozzle may be cold: Klipper takes that for an error."""
         return ["M83", f"G1 E{length:g} F1800"] if self.nozzle and length else []
 
-    def _go(self) -> list[str]:
+    def _over(self) -> list[str]:
         flat = [f"{axis}{self.place[axis]:.10g}" for axis in "XY" if axis in self.place]
-        lines = [f"G1 {' '.join(flat)} F{TRAVEL:g}"] if flat else []
-        return [*lines, f"G1 Z{self.place['Z']:.10g} F{RISE:g}"] if "Z" in self.place else lines
+        return [f"G1 {' '.join(flat)} F{TRAVEL:g}"] if flat else []
+
+    def _go(self) -> list[str]:
+        down = [f"G1 Z{self.place['Z']:.10g} F{RISE:g}"] if "Z" in self.place else []
+        return [*self._over(), *down]
 
     def _modes(self) -> list[str]:
         """G90 and G91 also set the mode of E in Marlin, so M82 and M83 come after them."""
