@@ -569,7 +569,8 @@ def test_filament_is_held_back_on_every_way_and_never_as_it_is_laid(
                 assert held == pytest.approx(0.8)
                 ways.append(way)
             here = there
-    assert max(ways) > 60 and len(ways) > 4
+    assert max(ways) > 60
+    assert len(ways) > 4
 
 
 ACCELERATIONS = {
