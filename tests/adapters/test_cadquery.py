@@ -51,6 +51,8 @@ def test_what_was_selected_stands_for_the_solid_that_it_is_of() -> None:
         assert v3dcad.part_from(selected).contents()["volume"] == "4000 mm³"
     with pytest.raises(v3dcad.GeometryError, match="Sketch holds no shape"):
         v3dcad.part_from(cadquery.Sketch().rect(1, 2))
+    with pytest.raises(v3dcad.GeometryError, match="Workplane holds nothing to fill"):
+        cadquery.Workplane().voronoiFill("cells", **SETTINGS)
     with pytest.raises(v3dcad.KernelError, match="no solid"):
         v3dcad.part_from(cadquery.Workplane())
 

@@ -92,7 +92,7 @@ def test_state() -> None:
     assert state.feed == 254
     assert (state.tool, state.fan, state.nozzle, state.bed) == ("T1", 255, 190, 70)
     assert state.kept == {"M220": "M220 S90", "SET_VELOCITY_LIMIT": "SET_VELOCITY_LIMIT ACCEL=900"}
-    restored = state.after_reset(5.08)
+    restored = state.after_reset(5.08, 0)
     assert restored[:4] == ["M140 S70", "M104 T1 S190", "M190 S70", "M109 T1 S190"]
     assert {"M220 S90", "T1", "M106 S255", "G28 X Y", "G20"} <= set(restored)
     assert "G28" not in restored
@@ -106,7 +106,7 @@ def test_state() -> None:
     state.follow("G1 X5")
     assert state.place == {}, "a relative move from an unknown place"
     state.follow("M107")
-    assert "M107" in state.after_reset(0.2)
+    assert "M107" in state.after_reset(0.2, 0)
     assert state_after("M104 S0").heat() == []
     assert state_after("G1 Z1").park((0, 0), 10, 2)[-1] == "G90", "x and y are not known"
     tools = state_after(
@@ -154,6 +154,50 @@ def test_after_a_reset_a_layer_is_printed_from_its_start(done: int) -> None:
         assert height == pytest.approx(0.2 * max(layer, 0)) or height == pytest.approx(
             0.2 * (layer + 1)
         )
+
+
+@pytest.mark.parametrize("relative", [True, False])
+@pytest.mark.parametrize("paused", [0.0, 2.0])
+def test_after_a_reset_no_drop_is_pushed_out_before_the_first_bead(
+    relative: bool, paused: float
+) -> None:
+    """Each layer of the file begins with filament pulled back, which the printer's is not."""
+    lines = [*HEADER, "M83" if relative else "M82", "G1 E-5 F1800"]
+    fed = -5.0
+    for layer in LAYERS:
+        lines += [layer[0].replace("G1 Z", "G1 X0 Y0 Z")]
+        for move, step in (
+            ("", 5.0),
+            *((f" {line[3:-11]}", 0.1) for line in layer[1:]),
+            ("", -5.0),
+        ):
+            fed += step
+            lines += [f"G1{move} E{step if relative else fed:.5f} F1200"]
+    for done in range(len(HEADER) + 30, len(lines), 7):
+        record = Record(done, done, done, done, retraction=paused)
+        onward = continuation(program(lines), record, Greeting("Klipper"))
+        told = [line for line in onward.before if not line.startswith("G92 Z")]
+        pushed = 0.0
+        for move in machine([*told, *lines[onward.lines_done :]]).moves:
+            if move.start != move.stop and move.extruded > 0:
+                break
+            pushed += move.extruded
+        assert pushed == pytest.approx(paused)
+
+
+@given(st.integers(len(HEADER) + 60, len(FILE) - 2))
+def test_after_a_reset_the_nozzle_does_not_dip_into_the_layer_that_stands(done: int) -> None:
+    """Part of the layer is there: on the way to its start the nozzle stays as high or higher."""
+    onward = continuation(program(FILE), Record(done, done, done, done), Greeting("Klipper"))
+    told = [line.replace("G92 Z", "G1 F600 Z") for line in onward.before]
+    heights = []
+    for move in machine([*told, *FILE[onward.lines_done :]]).moves:
+        heights.append(move.stop[2])
+        if move.extruded > 0:
+            break
+    down = heights[heights.index(max(heights)) :]
+    assert len(down) > 2
+    assert min(down) == pytest.approx(heights[-1])
 
 
 class Keeper:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from v3dcad.adapters.form import shape_of
+from v3dcad.errors import GeometryError
 from v3dcad.sources import solids_on
 
 try:
@@ -26,8 +27,11 @@ def voronoiFill(self: Workplane, form: str = "solid", **settings: Any) -> Workpl
     "cells" (each on the stack), "faces", "wires", "struts" (`diameter`, `cut`, `fuse`) or "beads"
     (`width`). All other settings are those of `v3dcad.fill`. Raises `V3dcadError`s.
     """
+    solids = solids_on(self)
+    if not solids:
+        raise GeometryError("this Workplane holds nothing to fill: build a solid before")
     shapes = []
-    for value in solids_on(self):
+    for value in solids:
         made = Shape.cast(shape_of(value, form, settings)[0])
         shapes += list(made) if form == "cells" and isinstance(made, Compound) else [made]
     return self.newObject(shapes)

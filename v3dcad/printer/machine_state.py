@@ -36,6 +36,8 @@ class MachineState:
     """X, Y and Z where they are known"""
     e: float = 0.0
     """the filament's coordinate, which G92 may rename"""
+    held: float = 0.0
+    """mm of filament that is pulled back"""
     feed: float = 0.0
     """mm/min; 0 while none was given"""
     absolute: bool = True
@@ -153,23 +155,27 @@ class MachineState:
         """A tool as it is named in a command; a file without tools needs no names."""
         return f" {tool}" if self.tool or tool != FIRST else ""
 
-    def after_reset(self, height: float) -> list[str]:
+    def after_reset(self, height: float, retraction: float) -> list[str]:
         """Lines that put a printer which was reset into this state, over a part on the bed.
 
         `height` (mm) is where the nozzle stands. Z is never homed: it would run into the part. So
-        the printer is told its height, and X and Y are homed a little above.
+        the printer is told its height, and X and Y are homed a little above. `retraction` (mm) is
+        how much filament is pulled back; on the way it is as much as in this state. The nozzle
+        comes down with the file's next line, which names its height: this state's is that of the
+        layer below, above which part of the layer stands by now. Relative moves count from there.
         """
         return [
             *self.heat(),
             *self.kept.values(),
             *([self.tool] if self.tool else []),
             "G21",
+            *self._feed(round(retraction - self.held, 5)),
             f"G92 Z{height:g}",
             "G91",
             f"G1 Z{LIFT:g} F{RISE:g}",
             "G90",
             "G28 X Y",
-            *self._go(),
+            *(self._over() if self.absolute else self._go()),
             f"M106 S{self.fan:g}" if self.fan else "M107",
             *self._modes(),
         ]
@@ -178,10 +184,13 @@ class MachineState:
         """Filament moved, unless the nozzle may be cold: Klipper takes that for an error."""
         return ["M83", f"G1 E{length:g} F1800"] if self.nozzle and length else []
 
-    def _go(self) -> list[str]:
+    def _over(self) -> list[str]:
         flat = [f"{axis}{self.place[axis]:.10g}" for axis in "XY" if axis in self.place]
-        lines = [f"G1 {' '.join(flat)} F{TRAVEL:g}"] if flat else []
-        return [*lines, f"G1 Z{self.place['Z']:.10g} F{RISE:g}"] if "Z" in self.place else lines
+        return [f"G1 {' '.join(flat)} F{TRAVEL:g}"] if flat else []
+
+    def _go(self) -> list[str]:
+        down = [f"G1 Z{self.place['Z']:.10g} F{RISE:g}"] if "Z" in self.place else []
+        return [*self._over(), *down]
 
     def _modes(self) -> list[str]:
         """G90 and G91 also set the mode of E in Marlin, so M82 and M83 come after them."""
@@ -216,6 +225,7 @@ class MachineState:
             asked = self._mm(words["E"])
             fed = asked - self.e if self.absolute_e else asked
             self.e += fed
+            self.held = max(self.held - fed, 0.0)
             height = self.place.get("Z")
             if fed > 0 and moves and height != self.height:
                 self.layer += 1

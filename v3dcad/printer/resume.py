@@ -68,7 +68,7 @@ def continuation(lines: Iterable[Line], record: Record, greeting: Greeting) -> C
         )
     # The nozzle may lie some lines behind. Taken too low, the rest is printed a layer too high;
     # taken too high, the nozzle would run into the part.
-    before = layer.state.after_reset(min(heights) + record.lift)
+    before = layer.state.after_reset(min(heights) + record.lift, record.retraction)
     return Continuation(layer.lines, layer.offset, before, layer.state, exact=False)
 
 

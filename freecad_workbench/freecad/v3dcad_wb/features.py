@@ -125,6 +125,8 @@ class VoronoiFill:
             if not is_there(obj) or request_of(obj)[0] != made:
                 return remove_files(answer)
             document = obj.Document
+            # What an undo of this result comes back to; nothing is computed then.
+            self._say(obj, tr("stale: recompute"))
             document.openTransaction(tr("Compute Voronoi fill"))
             with self.unheard():
                 show_result(obj, answer)

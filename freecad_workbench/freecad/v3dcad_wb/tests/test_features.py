@@ -98,6 +98,19 @@ class Features(unittest.TestCase):
         self.assertEqual(fill.CellSizeFrom, "given")
         self.assertAlmostEqual(fill.CellSizeMade.Value, 5, delta=1.5)
 
+    def test_undo_of_a_result_says_that_a_recompute_is_needed(self) -> None:
+        self.doc.UndoMode = 1
+        fill = self.fill()
+        edges = fill.Edges
+        fill.CellSize = 10
+        self.doc.recompute()
+        self.assertLess(fill.Edges, edges)
+        self.doc.undo()
+        self.assertEqual(fill.Edges, edges)
+        self.assertEqual(fill.Status, "stale: recompute", "nothing is computing")
+        self.doc.recompute()
+        self.assertEqual(fill.Status, FRESH)
+
     def test_cells_of_many_sizes_by_an_expression(self) -> None:
         fill = self.fill(cell_size="ramp(x, 5, 35, 4, 8)")
         self.assertEqual((fill.Status, fill.CellSizeFrom), (FRESH, "expression"))
