@@ -106,7 +106,7 @@ MAY_IMPORT = {
     "cli": {"commands", "errors", "version"},
     "__main__": {"cli"},
     "__init__": INSIDE
-    | {"nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
+    | {"formats", "nearness", "parts", "pipeline", "recipes", "slicing", "structure", "version"},
 }
 
 GEOMETRY_MAY_IMPORT = {

@@ -23,7 +23,7 @@ def refused(filling: dict[str, Any], printing: dict[str, Any]) -> SettingError:
 @pytest.mark.parametrize("name", profile_names())
 @pytest.mark.parametrize("layer_height", [0.1, 0.2, 0.3])
 def test_every_profile_fits_itself(name: str, layer_height: float) -> None:
-    check_limits(FillSettings(layer_height=layer_height), print_settings(name, {}))
+    check_limits(FillSettings(layer_height=layer_height), print_settings(name))
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         SettingError,
         V3dcadError,
     )
+    from v3dcad.formats.gcode.machine_profile import print_settings
     from v3dcad.model import Recipe, Section
     from v3dcad.nearness import distance_to, near_faces
     from v3dcad.parts import part_from
@@ -51,6 +52,7 @@ _HOME = {
     "near_faces": "nearness",
     "part_from": "parts",
     "place_on_bed": "slicing",
+    "print_settings": "formats.gcode.machine_profile",
     "section": "slicing",
     "read_ont": "recipes",
 }
@@ -75,6 +77,7 @@ __all__ = [
     "near_faces",
     "part_from",
     "place_on_bed",
+    "print_settings",
     "read_ont",
     "section",
 ]

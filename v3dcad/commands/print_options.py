@@ -20,7 +20,7 @@ def print_settings(profile: str | None, settings: dict[str, Any]) -> PrintSettin
     from v3dcad.formats.gcode import machine_profile
     from v3dcad.formats.gcode.blocks import check_blocks
 
-    chosen = machine_profile.print_settings(profile, given(PrintSettings, settings))
+    chosen = machine_profile.print_settings(profile, **given(PrintSettings, settings))
     chosen.bed_size()
     check_blocks(chosen)
     return chosen

@@ -191,7 +191,7 @@ class Work:
         path = self._optional("sites", str)
         sites = None if path is None else given_sites(read_array(path))
         settings = known_settings(chosen(FillSettings, self._needed("settings", dict)), sites)
-        printing = print_settings(self._optional("sized_for", str) or None, {})
+        printing = print_settings(self._optional("sized_for", str) or None)
         return self._needed("source", str), settings, sites, printing, self._stage
 
     def _structure(self) -> Structure:
@@ -224,7 +224,7 @@ class Work:
         """Print settings: a profile's, unless the request says otherwise."""
         values = chosen(PrintSettings, self._optional("print", dict) or {})
         profile = self._optional("profile", str) or self._optional("sized_for", str)
-        return print_settings(profile or None, values)
+        return print_settings(profile or None, **values)
 
     def _sizes(self) -> ExportSettings:
         """How a structure is exported, as far as the request says: a form, and its sizes."""

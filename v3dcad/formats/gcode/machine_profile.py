@@ -20,8 +20,11 @@ def profile_names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in found)
 
 
-def print_settings(profile: str | None, chosen: dict[str, Any]) -> PrintSettings:
-    """What a profile says, if there is one, but for what is chosen; raises as `read_profile`."""
+def print_settings(profile: str | None = None, **chosen: Any) -> PrintSettings:
+    """What a profile says, if there is one, but for the settings that are chosen.
+
+    Raises as `read_profile`, and as `PrintSettings` for a value that does not fit.
+    """
     known = {} if profile is None else read_profile(profile)
     return PrintSettings(**{**known, **chosen})
 
