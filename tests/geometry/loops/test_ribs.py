@@ -174,6 +174,18 @@ def test_a_rib_keeps_off_a_loop_in_its_way() -> None:
     assert len(grown(away, needed()).ribs) == 2
 
 
+def test_a_rib_goes_on_where_it_met_another_that_is_gone() -> None:
+    """What it met is under it: where a hole has come in that one's way, no step is to be made."""
+    outer = np.array([[-8, -1.4], [8, -1.4], [8, 1.4], [-8, 1.4]])
+    hole = np.array([[3, 0.1], [3, 0.9], [5, 0.9], [5, 0.1]])
+    met = Gaps(np.array([0]), np.array([[-2, -2 + 2 * STRIPS.half]]))
+    ends = grown(Loops.of([outer, hole], [0, 0]), needed(), met).gaps.ends
+    assert ends == pytest.approx(np.array([[3 - STRIPS.half, 3], [5, 5 + STRIPS.half]]))
+    wider = Gaps(met.line, met.ends + np.array([0, 0.1]))
+    ends = grown(Loops.of([outer, hole], [0, 0]), needed(), wider).gaps.ends
+    assert ends[0] == pytest.approx([-1.8, 3]), "a step into what is open"
+
+
 @pytest.mark.parametrize("beside", [-1e-9, 0.0, 1e-9])
 def test_a_loop_along_the_side_of_a_strip_is_none_in_its_way(beside: float) -> None:
     """As around a skin that ends on a line: ribs go on at both of its sides."""

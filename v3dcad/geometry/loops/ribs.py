@@ -27,6 +27,10 @@ from v3dcad.geometry.loops.strips import ENDS, Passes, Strips
 from v3dcad.model import Floats, Ints, Value
 
 
+MET = 1e-6
+"""mm: tips that have met are two halves of a bead apart, but for rounding."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Gaps(Value):
     """What is open on each line, from left to right, line by line."""
@@ -173,7 +177,7 @@ def _held(
         begin, end = sign * under[k, side], sign * under[k, 1 - side]
         if begin >= far:
             break
-        if end <= root or end - begin <= 2 * step:
+        if end <= root or end - begin <= 2 * max(step, least) + MET:
             continue
         most = max(begin + step, root + least) if begin + step >= root else -math.inf
         return most, (begin + end) / 2
