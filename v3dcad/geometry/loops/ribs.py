@@ -26,7 +26,6 @@ from v3dcad.geometry.loops.loops import Loops
 from v3dcad.geometry.loops.strips import ENDS, Passes, Strips
 from v3dcad.model import Floats, Ints, Value
 
-
 MET = 1e-6
 """mm: tips that have met are two halves of a bead apart, but for rounding."""
 
