@@ -329,7 +329,7 @@ def test_layers_are_streamed() -> None:
     paths = trace(layers, PrintSettings(top_layers=2, skin_span="off"))
     next(paths)
     taken = 6 - len(list(layers))
-    assert taken == 4, "two whose skin it may be, and the one that is planned meanwhile"
+    assert taken == 5, "two whose skin it may be, one more, and the one that is planned meanwhile"
 
 
 def test_an_empty_section_gives_an_empty_toolpath() -> None:
