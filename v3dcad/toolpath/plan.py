@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -58,7 +57,6 @@ class Plan:
     """whether walls of one bead are printed in the thesis's order"""
     joined: int = 0
     retraced: float = 0.0
-    narrow_area: float = 0.0
     here: Floats = field(default_factory=lambda: np.zeros(2))
 
     def strokes(self, here: Floats) -> Iterator[Stroke]:
@@ -70,7 +68,6 @@ class Plan:
             yield from self._around()
         division = self.division
         depths = perimeter_depths(self.settings, division.spacing)
-        self.narrow_area = narrow_area(division.area, depths[0])
         if self.settings.wall_beads == 2:
             yield from self._in_closed_strokes(depths)
         else:
@@ -176,16 +173,6 @@ class Plan:
     def _moved_to(self, stroke: Stroke) -> Stroke:
         self.here = stroke.points[-1]
         return stroke
-
-
-@lru_cache(maxsize=64)
-def narrow_area(area: shapely.Geometry, depth: float) -> float:
-    """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there.
-
-    Known for a while, as insets are.
-    """
-    missed = float(area.area - inset(inset(area, depth), -depth).area)
-    return missed if missed > 1e-6 * area.area else 0.0
 
 
 def _stroke(graph: PathGraph, vertices: Ints, edges: Ints, laid: Floats) -> Stroke:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+import shapely
 
 from v3dcad.geometry import arcs
 from v3dcad.model import EXTRUDE, RETRACT, Floats, Ints, Layer, Toolpath
@@ -13,8 +15,8 @@ from v3dcad.settings import PrintSettings
 from v3dcad.toolpath.certificate import printed_overhang
 from v3dcad.toolpath.first_layer import stand_width, stands_badly
 from v3dcad.toolpath.overhang import Hanging
-from v3dcad.toolpath.perimeters import outermost_depth
-from v3dcad.toolpath.plan import Plan, narrow_area
+from v3dcad.toolpath.perimeters import inset, outermost_depth
+from v3dcad.toolpath.plan import Plan
 from v3dcad.words import counted
 
 MOST_NAMED = 5
@@ -84,7 +86,7 @@ def layer_report(
         retractions=int(np.count_nonzero(toolpath.kind == RETRACT)),
         joined_edges=plan.joined,
         narrow_cells=tuple(narrow_cells(plan.layer, plan.settings).tolist()),
-        narrow_area=plan.narrow_area if level else _unreached(plan),
+        narrow_area=narrow_area(division.area, outermost_depth(plan.settings)),
         level=level,
         area=float(division.area.area),
         stand_width=stand_width(division.area) if division.first and level else 0.0,
@@ -95,9 +97,14 @@ def layer_report(
     )
 
 
-def _unreached(plan: Plan) -> float:
-    """Mm² of a section below the first layer with no room for a bead; others that takes in."""
-    return narrow_area(plan.division.area, outermost_depth(plan.settings))
+@lru_cache(maxsize=64)
+def narrow_area(area: shapely.Geometry, depth: float) -> float:
+    """mm² of an area that a perimeter `depth` inside it cannot reach, being too narrow there.
+
+    Known for a while, as insets are.
+    """
+    missed = float(area.area - inset(inset(area, depth), -depth).area)
+    return missed if missed > 1e-6 * area.area else 0.0
 
 
 def narrow_cells(layer: Layer, settings: PrintSettings) -> Ints:
